@@ -20,6 +20,12 @@ KeyPath = tuple[str, ...]
 
 TABLE_LINE = re.compile(r"\s*\[+\s*([^\]]+?)\s*\]+")
 MAX_BYTES = 1_000_000  # a device such as /dev/zero never ends
+TOML_PLACE = re.compile(r" \(at line (\d+), column \d+\)")
+TOML_CURES = {
+    "Cannot overwrite a value": "; this key stands twice, remove one",
+    "Cannot declare": "; this table stands twice: join both, or write each table of a list in double brackets, [[...]]",
+    "Invalid value": '; a word stands in quotes, as "word", a number with a point, as 0.5',
+}
 KEY_LINE = re.compile(r"\s*([A-Za-z0-9_.\"-]+)\s*=")
 
 
@@ -53,7 +59,15 @@ def read_tables(path: Path | None) -> dict[str, Any]:
     try:
         return tomllib.loads(_read(path))
     except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{path}: not valid TOML: {error}") from error
+        raise ConfigError(_not_toml(path, str(error))) from error
+
+
+def _not_toml(path: Path, error: str) -> str:
+    """What the parser says, at its line, with the cure for what people do most."""
+    match = TOML_PLACE.search(error)
+    where = f"{path}:{match[1]}" if match else f"{path}"
+    cure = next((cure for said, cure in TOML_CURES.items() if error.startswith(said)), "")
+    return f"{where}: not valid TOML: {TOML_PLACE.sub('', error)}{cure}"
 
 
 def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: list[ConfigMistake]) -> S | None:
@@ -93,7 +107,8 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistak
     try:
         return msgspec.convert(value, expected)
     except msgspec.ValidationError as error:
-        mistakes.append(ConfigMistake(path, f"{value!r} is not allowed: {_cure(expected, value, str(error))}"))
+        given = f"a list of {len(value)}" if isinstance(value, list) and _row_of(bare) else f"{value!r}"
+        mistakes.append(ConfigMistake(path, f"{given} is not allowed: {_cure(expected, value, str(error))}"))
         return None
 
 

@@ -4,7 +4,7 @@ import fcntl
 import os
 from collections import Counter
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 from mcap.writer import CompressionType, Writer
 
@@ -43,6 +43,15 @@ class FileOutput:
 
     def close(self) -> None:
         os.close(self._handle)
+
+
+def is_being_written(file: IO[bytes]) -> bool:
+    """Whether a recorder has this file open; else it stays as it is as long as `file` is open."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    return False
 
 
 class WaitingMessage(NamedTuple):

@@ -3,13 +3,14 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import NamedTuple, Self
+from typing import IO, NamedTuple, Self
 
 from mcap.reader import make_reader
 
 from common.clock import NS_PER_S
 from common.errors import RecordingError
-from common.recording.scan import BROKEN
+from common.recording.mcap_file import is_being_written
+from common.recording.scan import BROKEN, MAGIC
 
 CLOCK_TABLE = "farhand.clock"
 EPOCH_KEY = "epoch_minus_clock_ns"
@@ -34,16 +35,19 @@ class RecordingReader:
         except OSError as error:
             raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
         try:
+            _check_begins(path, self._file)
             self._reader = make_reader(self._file, validate_crcs=True)
             self._summary = self._reader.get_summary()
             self._epoch_ns = int(self.table(CLOCK_TABLE)[EPOCH_KEY])
         except KeyError as error:
             self._file.close()
             raise RecordingError(f"{path} is no recording of Farhand, or nothing was recorded in it") from error
-        except (*BROKEN, OSError) as error:
+        except RecordingError:
             self._file.close()
-            cure = f"if its recorder was killed: farhand record repair {path}"
-            raise RecordingError(f"{path} is no whole recording ({type(error).__name__}); {cure}") from error
+            raise
+        except (*BROKEN, OSError) as error:
+            with self._file:
+                raise RecordingError(f"{path} {_what_is_wrong(self._file)}") from error
 
     def __enter__(self) -> Self:
         return self
@@ -111,3 +115,21 @@ class RecordingReader:
             raise RecordingError(
                 f"{self.path} is damaged ({error}): get it again from where it was recorded"
             ) from error
+
+
+def _check_begins(path: Path, file: IO[bytes]) -> None:
+    try:
+        begin = file.read(len(MAGIC))
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be read: {error.strerror}") from error
+    if begin != MAGIC:
+        raise RecordingError(f"{path} is no recording: it does not begin as an MCAP file")
+    file.seek(0)
+
+
+def _what_is_wrong(file: IO[bytes]) -> str:
+    """Why a file has no index that can be read, with the cure."""
+    if is_being_written(file):
+        return "is being recorded: end the recording first"
+    cure = f"if its recorder was killed, or a copy was cut: farhand record repair {file.name}"
+    return f"is no whole recording, its end is missing; {cure}"

@@ -1,6 +1,5 @@
 """Makes a file whole that was not ended in order: cut after its last whole chunk, and indexed again in place."""
 
-import fcntl
 import os
 import shutil
 import struct
@@ -14,7 +13,7 @@ from mcap.records import DataEnd, Footer, McapRecord, Statistics, SummaryOffset
 
 from common.clock import NS_PER_S
 from common.errors import RecordingError
-from common.recording.mcap_file import OWNER_ONLY
+from common.recording.mcap_file import OWNER_ONLY, is_being_written
 from common.recording.scan import MAGIC, FileIndex, NotMcapError, scan
 
 
@@ -44,10 +43,8 @@ def repair(path: Path, rest: Path | None = None) -> Repaired:
 
 
 def _repaired(path: Path, file: IO[bytes], rest: Path | None) -> Repaired:
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError as error:
-        raise RecordingError(f"{path} is being written: end the recording first") from error
+    if is_being_written(file):
+        raise RecordingError(f"{path} is being written: end the recording first")
     index = scan(file)
     messages = index.messages.total()
     first_ns = min((chunk.message_start_time for chunk in index.chunks), default=0)

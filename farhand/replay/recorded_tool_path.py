@@ -13,11 +13,12 @@ from common.errors import RecordingError, RefusedError
 from common.geometry import Array
 from common.link.channels import STATE
 from common.messages.codec import decode
+from common.messages.recording import EpisodeOutcome
 from common.messages.requests import Description
 from common.messages.robot import GripperCommand, RobotState, SessionState
 from common.recording.folder import parts_from
 from common.recording.reader import RecordingReader
-from common.recording.recorded_episodes import read_episodes
+from common.recording.recorded_episodes import RecordedEpisode, read_episodes
 from local_site.programmed.approach import approach
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 from remote_site.teleop.gripper_toggles import OPPOSITE
@@ -37,18 +38,17 @@ class RecordedPath:
 def recorded_path(file: Path, cell: str, episode: int | None) -> RecordedPath:
     """The tool's target of all states of an episode in which the arm followed; of the only one where none is given.
 
-    Where it did not follow, the time is cut out. RecordingError where there is no such episode, or it has no motion.
+    Where it did not follow, the time is cut out; an episode without an end lasts to that of the recording.
+    RecordingError where there is no such episode, or it has no motion.
     """
-    spans = _ended(file)
-    if episode is None and len(spans) != 1:
-        raise RecordingError(f"{file} has {len(spans)} episodes: choose one by --episode ({_listed(spans)})")
-    number = episode if episode is not None else next(iter(spans))
-    if number not in spans:
-        raise RecordingError(f"{file} has no episode {number}; it has {_listed(spans)}")
-    states = [state for state in _states(file, STATE.key_for(cell), *spans[number]) if state.target is not None]
+    chosen = _chosen(file, read_episodes(parts_from(file)), episode)
+    if chosen.begin_ns is None:
+        raise RecordingError(f"episode {chosen.number} begins in a file before {file}: give the one where it begins")
+    found = _states(file, STATE.key_for(cell), chosen.begin_ns, chosen.end_ns)
+    states = [state for state in found if state.target is not None]
     if len(states) < 2:
-        raise RecordingError(f"in episode {number} of {file} the arm never followed the hand")
-    return RecordedPath(number, path_of(states), OPPOSITE[states[0].gripper_next] if states[0].gripper else None)
+        raise RecordingError(f"in episode {chosen.number} of {file} the arm never followed the hand: choose another")
+    return RecordedPath(chosen.number, path_of(states), OPPOSITE[states[0].gripper_next] if states[0].gripper else None)
 
 
 def check_cell(recorded: Description, cell: Description) -> None:
@@ -57,17 +57,24 @@ def check_cell(recorded: Description, cell: Description) -> None:
         raise RefusedError(f"the recording is of {recorded.robot}, this cell has {cell.robot}: use such an arm")
 
 
-def _ended(file: Path) -> dict[int, tuple[int, int]]:
-    """Begin and end of each episode that has ended, by its number."""
-    spans = ((episode.number, episode.begin_ns, episode.end_ns) for episode in read_episodes(parts_from(file)))
-    return {number: (begin, end) for number, begin, end in spans if begin is not None and end is not None}
+def _chosen(file: Path, episodes: Sequence[RecordedEpisode], number: int | None) -> RecordedEpisode:
+    if not episodes:
+        raise RecordingError(f"{file} has no episode: the arm was not engaged while it was recorded")
+    found = [episode for episode in episodes if number in (None, episode.number)]
+    if len(found) == 1:
+        return found[0]
+    wrong = f"{file} has no episode {number}" if number is not None else f"{file} has {len(episodes)} episodes"
+    raise RecordingError("\n".join([f"{wrong}: choose one by --episode", *map(_in_words, episodes)]))
 
 
-def _listed(episodes: Sequence[int] | dict[int, tuple[int, int]]) -> str:
-    return "episodes " + ", ".join(map(str, episodes)) if episodes else "none that has ended"
+def _in_words(episode: RecordedEpisode) -> str:
+    number, begin_ns, end_ns, task, outcome, note = episode
+    lasts = f"{(end_ns - begin_ns) / NS_PER_S:.1f} s" if begin_ns is not None and end_ns is not None else "not ended"
+    said = outcome.value if outcome is not EpisodeOutcome.UNKNOWN else ""
+    return f"  {number}: " + ", ".join(filter(None, [lasts, said, task, note]))
 
 
-def _states(file: Path, topic: str, begin_ns: int, end_ns: int) -> Iterator[RobotState]:
+def _states(file: Path, topic: str, begin_ns: int, end_ns: int | None) -> Iterator[RobotState]:
     for part in parts_from(file):
         with RecordingReader(part) as recording:
             for message in recording.messages([topic], begin_ns, end_ns):

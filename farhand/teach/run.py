@@ -1,17 +1,25 @@
 """A taught task on the robot: the hand that leads the tool through its way points, while a person holds the key."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from common.errors import ConfigError, RefusedError
+from common.geometry import Array
 from common.messages.requests import Description
 from common.process.service import StopFlag
 from farhand.teach.keys import HELP, terminal_keys
-from farhand.teach.planning import planned_path
+from farhand.teach.labels import in_words
+from farhand.teach.planning import planned_path, way_points_in_base
+from farhand.teach.show import in_short
 from farhand.teach.task_file import GRIPPER, TaskFile, TaughtFrame, load_task
 from farhand.terminal import say
 from local_site.config import LocalConfig
 from local_site.programmed.path_progress import PathProgress
 from local_site.runtime.path_site import PathProgram, run_path
+
+NEAR_M = 1e-3  # a recorded path may touch the workspace's side
 
 
 def run_task(
@@ -22,9 +30,10 @@ def run_task(
     ConfigError for a file with mistakes, RefusedError for a cell with another robot.
     """
     task = load_task(file)
-    path = planned_path(task, frame.base_T_frame if frame is not None else None)
+    base_T_frame = frame.base_T_frame if frame is not None else None
+    path = planned_path(task, base_T_frame)
     start = task.task.gripper_at_start
-    say(f"{task.task.name}: {len(task.waypoints)} way points, {path.duration_s:.1f} s without the gripper's; {HELP}")
+    say(f"{task.task.name}: {in_short(task, path)}; {HELP}")
     with terminal_keys() as keys:
         program = PathProgram(
             "taught",
@@ -32,16 +41,27 @@ def run_task(
             PathProgress(path, speed, stepwise=stepwise),
             GRIPPER[start] if start is not None else None,
             goes_on=True,
-            check=lambda cell: check_robot(task, cell),
+            check=lambda cell: check_cell(task, way_points_in_base(task, base_T_frame), cell),
             orders=keys.orders,
         )
         run_path(config, program, should_stop, say)
 
 
-def check_robot(task: TaskFile, cell: Description) -> None:
-    """RefusedError where the task was taught on another robot."""
+def check_cell(task: TaskFile, base_T_points: Sequence[Array], cell: Description) -> None:
+    """RefusedError where the task was taught on another robot, or way points are outside the cell's workspace."""
     if task.task.robot != cell.robot:
         raise RefusedError(f"the task was taught on {task.task.robot}, this cell has {cell.robot}: teach it there anew")
+    positions = np.array([pose[:3, 3] for pose in base_T_points])
+    low, high = np.array(cell.workspace_min), np.array(cell.workspace_max)
+    outside = (positions < low - NEAR_M) | (positions > high + NEAR_M)
+    if outside.any():
+        point, axis = np.argwhere(outside)[0].tolist()
+        numbers = in_words((np.flatnonzero(outside.any(axis=1)) + 1).tolist())
+        raise RefusedError(
+            f"way points outside the workspace of {cell.cell}: {numbers}; of {point + 1}, {'xyz'[axis]} is "
+            f"{1e3 * positions[point, axis]:.0f} mm in the base frame, and may be {1e3 * low[axis]:.0f} to "
+            f"{1e3 * high[axis]:.0f}: check [frame] (or --frame) and the way point, in mm and deg"
+        )
 
 
 def frame_from(given: str) -> TaughtFrame | None:

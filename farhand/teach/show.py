@@ -11,6 +11,7 @@ from common.geometry import Array
 from farhand.teach.labels import Rectangle, in_words, placed, taken_together
 from farhand.teach.planning import planned_path, way_points_in_base
 from farhand.teach.task_file import Grip, TaskFile
+from local_site.programmed.tool_trajectory import ToolTrajectory
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,16 +30,28 @@ PATH_POINTS = 400  # of the path, to which labels give way
 def as_table(task: TaskFile) -> Table:
     """A row for each way point, with when the tool is there at full speed; below, the whole way and its time."""
     path = planned_path(task)
-    way_mm = 1e3 * float(np.linalg.norm(np.diff(path.positions, axis=0), axis=1).sum())
-    whole = f"{len(task.waypoints)} way points, {way_mm:.0f} mm in {path.duration_s:.1f} s without the gripper's time"
     table = Table(
-        "#", "at s", *POSITION, *ROTATION, "gripper", "dwell s", box=SIMPLE, caption=whole, collapse_padding=True
+        "#",
+        "at s",
+        *POSITION,
+        *ROTATION,
+        "gripper",
+        "dwell s",
+        box=SIMPLE,
+        caption=in_short(task, path),
+        collapse_padding=True,
     )
     for number, (point, at_s) in enumerate(zip(task.waypoints, path.marks, strict=True), 1):
         numbers = [f"{value:.1f}" for value in (at_s, *point.xyz_mm, *point.rotation_deg)]
         dwell = f"{point.dwell_s:g}" if point.dwell_s else ""
         table.add_row(str(number), *numbers, point.gripper or "", dwell)
     return table
+
+
+def in_short(task: TaskFile, path: ToolTrajectory) -> str:
+    """How many way points, how long the whole way, and its time."""
+    way_mm = 1e3 * float(np.linalg.norm(np.diff(path.positions, axis=0), axis=1).sum())
+    return f"{len(task.waypoints)} way points, {way_mm:.0f} mm in {path.duration_s:.1f} s without the gripper's time"
 
 
 def plotted(task: TaskFile) -> "Figure":

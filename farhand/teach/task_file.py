@@ -60,10 +60,10 @@ class WayPoint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 class TaskMotion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How the tool moves from way point to way point."""
 
-    speed_mm_s: Annotated[float, Meta(gt=0, le=500, description="of the tool, mm/s")] = 100.0
-    turn_deg_s: Annotated[float, Meta(gt=0, le=180, description="of the tool's axes, deg/s")] = 45.0
-    acceleration_mm_s2: Annotated[float, Meta(gt=0, le=5000, description="mm/s²")] = 400.0
-    jerk_mm_s3: Annotated[float, Meta(gt=0, le=50000, description="mm/s³")] = 4000.0
+    speed_mm_s: Annotated[float, Meta(ge=1, le=500, description="of the tool, mm/s")] = 100.0
+    turn_deg_s: Annotated[float, Meta(ge=1, le=180, description="of the tool's axes, deg/s")] = 45.0
+    acceleration_mm_s2: Annotated[float, Meta(ge=10, le=5000, description="mm/s²")] = 400.0
+    jerk_mm_s3: Annotated[float, Meta(ge=100, le=50000, description="mm/s³")] = 4000.0
     blend_mm: Annotated[float, Meta(ge=0, le=50, description="how far a corner may be cut; 0 stops at each, mm")] = 3.0
 
 

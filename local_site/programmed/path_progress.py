@@ -12,6 +12,7 @@ DONE = {
     GripperCommand.CLOSED: (GripperStatus.CLOSED, GripperStatus.HOLDING),
 }
 SLOWEST, FASTEST, FASTER = 0.1, 2.0, 1.25
+PAUSED = "paused: p goes on, n to the next way point"
 SETTLE_S = 0.6  # the arm comes to rest before the gripper acts
 
 
@@ -54,6 +55,16 @@ class PathProgress:
         return self._path.base_T_tool(self._clock.t_s)
 
     @property
+    def grips(self) -> bool:
+        """Whether the gripper acts anywhere on the path."""
+        return bool(self._path.actions)
+
+    @property
+    def acts(self) -> bool:
+        """Whether the tool has come to rest where the gripper acts."""
+        return self._rested_s >= SETTLE_S
+
+    @property
     def way_point(self) -> int:
         """The number of the way point, from 1, that it has come from."""
         return sum(mark <= self._clock.t_s + NEAR_S for mark in self._path.marks)
@@ -78,12 +89,13 @@ class PathProgress:
                 self._due = sum(action.t_s < self._mark - NEAR_S for action in self._path.actions)
 
     def stand(self) -> None:
-        """The arm does not follow: stand at once."""
+        """The arm does not follow: stand at once, and come to rest anew before the gripper acts."""
         self._clock.begin(self._clock.t_s)
+        self._rested_s = 0.0
 
     def advance(self, elapsed_s: float, gripper: GripperState | None, hindered: str) -> GripperCommand | None:
         """Go on for `elapsed_s`, unless the arm is hindered; what the gripper is to do now, None for nothing."""
-        self.why = hindered or ("paused" if self._paused else "")
+        self.why = hindered or (PAUSED if self._paused else "")
         if self.why:
             self._clock.advance(elapsed_s, self.speed, None)
             return None
@@ -100,13 +112,14 @@ class PathProgress:
 
     def _act(self, action: GripperAction, elapsed_s: float, gripper: GripperState | None) -> GripperCommand | None:
         """Rest, command, wait for the gripper, dwell; then the path goes on."""
-        self._rested_s += elapsed_s
         self.why = f"the gripper is to be {action.command.value}"
-        if self._rested_s < SETTLE_S:
+        if not self.acts:
+            self._rested_s += elapsed_s
             return None
         if not _has_done(gripper, action.command):
             self._rested_s = SETTLE_S
             return action.command
+        self._rested_s += elapsed_s
         if self._rested_s >= SETTLE_S + action.dwell_s:
             self._due, self._rested_s = self._due + 1, 0.0
         return None

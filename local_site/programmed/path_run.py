@@ -3,7 +3,7 @@
 import numpy as np
 
 from common.clock import NS_PER_S
-from common.geometry import Array
+from common.geometry import Array, angle_between
 from common.messages.hand import OperatorSettings, TrackingStatus
 from common.messages.requests import MappingDescription
 from common.messages.robot import Engagement, GripperCommand, Pose, RobotState, SessionState
@@ -13,9 +13,10 @@ from local_site.programmed.path_progress import PathProgress, RunOrder
 from local_site.tracking.tracker import ArmEstimate
 
 BEHIND_M = 0.06  # fast motions lag by less
+THERE_M, THERE_RAD = 0.02, np.radians(10.0)  # at rest; a hand that was taught may have pressed on beyond the arm
 LONGEST_STEP_S = 0.1
 TOGGLES_APART_NS = NS_PER_S  # until the remote site shows what became of one
-WAITS = "waits for the engagement: hold the key"
+WAITS = "waits for the engagement: press the key, and hold it"
 ENDED = "the run has ended, since the arm held: let the key go, and hold it again for a new one"
 
 
@@ -85,7 +86,7 @@ class PathRun:
         base_T_target = self._advance(now_ns, elapsed_s, state)
         settings = state.settings or OperatorSettings()
         self._operator_T_hand = operator_T_hand(base_T_target, self._mapping, settings, reference)
-        return self._in_words()
+        return self._in_words(state)
 
     def _set_out(self, engagement: Engagement, target: Pose) -> None:
         """Approach where the run stands from where the arm is led now."""
@@ -96,8 +97,7 @@ class PathRun:
     def _advance(self, now_ns: int, elapsed_s: float, state: RobotState) -> Array:
         """Where the tool is led to now (4 x 4), and the gripper's toggle where one is due."""
         leading = self._approach or self._progress
-        way = float(np.linalg.norm(leading.target[:3, 3] - state.base_T_tool.transform()[:3, 3]))
-        hindered = f"the arm is {way * 1e3:.0f} mm behind: {state.reason}" if way > BEHIND_M else ""
+        hindered = _hindered(leading, state)
         command = leading.advance(elapsed_s, state.gripper, hindered)
         if command is state.gripper_next and now_ns - self._toggled_ns >= TOGGLES_APART_NS:
             self.toggles, self._toggled_ns = self.toggles + 1, now_ns
@@ -105,12 +105,13 @@ class PathRun:
             self._approach = None
         return leading.target
 
-    def _in_words(self) -> str:
+    def _in_words(self, state: RobotState) -> str:
         progress = self._progress
         if self._approach is not None:
             return self._approach.why or "approaches where the path goes on"
         if progress.is_done:
-            return "the run is done: let the key go"
+            off = _off(progress, state)
+            return f"the run is done, but {off}" if off else "the run is done: let the key go"
         way_point = f", way point {progress.way_point} of {progress.way_points}" if progress.way_points else ""
         stands = f": {progress.why}" if progress.why else ""
         return f"runs at {progress.speed:.0%} speed{way_point}{stands}"
@@ -118,11 +119,32 @@ class PathRun:
     def _refusal(self, state: RobotState) -> str:
         """Why no run may begin or go on, with the cure; empty when it may."""
         locked = why_not_led(self._mapping, state.settings or OperatorSettings())
-        if locked or self._gripper_at_start is None or self._engagement:
+        if locked or self._engagement:
             return locked
-        if state.gripper is None:
-            return "the path needs a gripper, and this cell has none that is measured"
+        if state.gripper is None and (self._progress.grips or self._gripper_at_start is not None):
+            return "the path needs a gripper, and this cell has none that is measured: its driver has to report one"
         if state.gripper_next is self._gripper_at_start:
             wanted = self._gripper_at_start.value
-            return f"the gripper differs: it has to be {wanted} at the beginning, make it so by hand first"
+            return (
+                f"the gripper differs: it has to be {wanted} at the beginning; end this, and make it so with "
+                "'farhand local': engage, and open your hand for a moment"
+            )
         return ""
+
+
+def _hindered(leading: PathProgress, state: RobotState) -> str:
+    """Why the path stands, since the arm is not where it is led to; empty when it is near enough."""
+    if leading.acts and (off := _off(leading, state)):
+        return f"the gripper waits, {off}"
+    way = float(np.linalg.norm(leading.target[:3, 3] - state.base_T_tool.transform()[:3, 3]))
+    return f"the arm is {way * 1e3:.0f} mm behind: {state.reason}" if way > BEHIND_M else ""
+
+
+def _off(leading: PathProgress, state: RobotState) -> str:
+    """How far the arm stands from where the path stands, and why; empty when it is there."""
+    wanted, measured = leading.target, state.base_T_tool.transform()
+    way = float(np.linalg.norm(wanted[:3, 3] - measured[:3, 3]))
+    turn = angle_between(wanted[:3, :3], measured[:3, :3])
+    if way <= THERE_M and turn <= THERE_RAD:
+        return ""
+    return f"the arm is {way * 1e3:.0f} mm and {np.degrees(turn):.0f} deg off: {state.reason}"

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import structlog
 
 from common.clock import NS_PER_S, Clock, MonotonicClock
-from common.errors import FarhandError, RefusedError
+from common.errors import FarhandError, RefusedError, TransportError
 from common.link.channels import DESCRIBE, PREVIEW, STATE
+from common.link.config import LinkSecurity
 from common.link.credentials import check_links
 from common.link.endpoints import check_free
 from common.link.transport import Link, open_link
@@ -22,6 +23,7 @@ from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
 from local_site.preview.no_camera import NoCamera
+from local_site.programmed.announcements import Announcements
 from local_site.programmed.path_progress import PathProgress, RunOrder
 from local_site.programmed.path_run import PathRun
 from local_site.runtime.loop import SampleSender
@@ -58,7 +60,7 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
     links, wanted, clock = config.links, config.authority, MonotonicClock()
     try:
         check_links((links.remote, links.listen), links, config.bearer)
-        check_free(links.listen, links)
+        _check_alone(links.listen, links)
         with open_link(listen=(links.listen,), connect=(links.remote,), security=links) as link:
             cell = _description(link, config.cell, should_stop)
             if cell is None:
@@ -78,6 +80,16 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
         raise
+
+
+def _check_alone(endpoint: str, security: LinkSecurity) -> None:
+    """TransportError where `farhand local` listens already."""
+    try:
+        check_free(endpoint, security)
+    except RefusedError:
+        raise
+    except TransportError as error:
+        raise TransportError(f"{error} Stop 'farhand local' on this host: this takes its place") from error
 
 
 def _check_held(cell: Description) -> None:
@@ -119,12 +131,12 @@ def _publish(
     program: PathProgram,
     sender: SampleSender,
     watch: RemoteWatch,
-    beside: "_Beside",
+    beside: _Beside,
     clock: Clock,
     should_stop: StopFlag,
     tell: Callable[[str], object],
 ) -> None:
-    due_ns, told = clock.now_ns(), ""
+    due_ns, announcements = clock.now_ns(), Announcements(tell)
     while not should_stop():
         now_ns = clock.now_ns()
         watch.poll(now_ns)
@@ -134,8 +146,6 @@ def _publish(
         sender.send_led(hand, run.toggles)
         beside.recorder.poll(now_ns)
         beside.views.tell(now_ns)
-        if hand.reason != told:
-            told = hand.reason
-            tell(told)
+        announcements.offer(hand.reason, now_ns)
         due_ns = max(due_ns + PERIOD_NS, now_ns)
         clock.sleep_until_ns(due_ns)

@@ -116,6 +116,21 @@ def test_bad_toml_and_missing_files_are_named(tmp_path: Path) -> None:
         load_config(Outer, tmp_path / "absent.toml")
 
 
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("count = 1\ncount = 2\n", r"site\.toml:2: not valid TOML: .*this key stands twice"),
+        ("[inner]\nspeed = 1.0\n[inner]\n", r"site\.toml:3: not valid TOML: .*this table stands twice"),
+        ("name = bare\n", r'site\.toml:1: not valid TOML: .*in quotes, as "word"'),
+    ],
+)
+def test_what_people_do_wrong_in_toml_is_told_with_its_line_and_its_cure(
+    content: str, told: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ConfigError, match=told):
+        load_config(Outer, write(tmp_path, content))
+
+
 def test_a_value_in_place_of_a_table_is_told(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"must be a table: \[inner\]"):
         load_config(Outer, write(tmp_path, "inner = 3\n"))

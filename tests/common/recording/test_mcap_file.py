@@ -13,6 +13,7 @@ from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.mcap_file import MOST_CHUNK_BYTES, McapFile
 from common.recording.reader import CLOCK_TABLE, EPOCH_KEY, RecordingReader
 from common.recording.repair import repair
+from common.recording.scan import MAGIC
 from common.recording.topics import JSON, MSGPACK, MessageSchema, Topic, protobuf_topic
 
 A = Topic("a", MSGPACK, MessageSchema("farhand.A"), {"unit": "m"})
@@ -172,6 +173,28 @@ def test_a_file_that_is_being_written_is_not_repaired(tmp_path: Path) -> None:
     with pytest.raises(RecordingError, match="end the recording first"):
         repair(tmp_path / "file.mcap")
     file.finish()
+
+
+def test_a_file_that_is_being_written_is_not_read_and_no_repair_is_advised(tmp_path: Path) -> None:
+    file = unfinished(tmp_path / "file.mcap")
+    with pytest.raises(RecordingError, match="is being recorded: end the recording first"):
+        RecordingReader(tmp_path / "file.mcap")
+    file.finish()
+    assert texts(tmp_path / "file.mcap") == expected(3)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (b"", "no recording"),
+        (b"[task]\nname = 1\n", "no recording"),
+        (MAGIC + b"\0" * 60, "its end is missing.*repair"),
+    ],
+)
+def test_what_is_no_recording_is_told_apart_from_one_that_was_cut(tmp_path: Path, content: bytes, told: str) -> None:
+    (tmp_path / "file.mcap").write_bytes(content)
+    with pytest.raises(RecordingError, match=told):
+        RecordingReader(tmp_path / "file.mcap")
 
 
 def test_other_files_are_left_alone(tmp_path: Path) -> None:

@@ -12,10 +12,12 @@ import structlog
 from common.clock import NS_PER_MS
 from farhand.__main__ import main as start
 from farhand.cli import main
+from farhand.teach.writing import as_toml
 from local_site.calibration.rig_file import save_rig
 from local_site.simulation.cameras import control_point_rows, exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.runtime.crash_marker import CrashMarker
+from tests.farhand.teach.test_task_file import TASK
 
 
 def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -162,6 +164,15 @@ def test_a_site_whose_port_is_taken_says_so(site: str, key: str, here) -> None:
         done = here(site, "--set", f"{key}=tcp/127.0.0.1:{taken.getsockname()[1]}")
     assert done.returncode == 1
     assert "is the port taken by another site?" in done.stderr
+
+
+def test_a_taught_run_beside_a_local_site_says_what_to_stop(here, tmp_path) -> None:
+    (tmp_path / "task.toml").write_text(as_toml(TASK))
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        done = here("teach", "run", "task.toml", "--set", f"links.listen=tcp/127.0.0.1:{taken.getsockname()[1]}")
+    assert done.returncode == 1
+    assert "Stop 'farhand local' on this host: this takes its place" in done.stderr
 
 
 def test_the_command_line_loads_nothing_of_what_it_runs() -> None:

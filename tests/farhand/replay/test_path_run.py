@@ -151,6 +151,38 @@ def test_a_path_out_of_reach_is_not_run_through_without_the_arm():
     assert not cell.progress.is_done
 
 
+def test_no_gripper_acts_where_the_arm_cannot_be():
+    path = some_path(GripperAction(2.0, GripperCommand.CLOSED))
+    x, y, _ = PATIENT.safety.workspace_min_m
+    box = replace(PATIENT.safety, workspace_min_m=(x, y, path.positions[-1, 2] + 0.03))
+    progress = PathProgress(path, 1.0, stepwise=False)
+    cell = engaged(LedCell(progress, GripperCommand.OPEN, config=replace(PATIENT, safety=box)))
+    cell.until("the gripper waits")
+    cell.pass_s(3.0)
+    assert "the gripper waits, the arm is" in cell.reason
+    assert cell.site.gripper.status is GripperStatus.OPEN
+
+
+def test_a_run_whose_end_the_arm_has_not_reached_is_not_told_to_be_well():
+    cell = engaged(cell_on(some_path()))
+    cell.until("done")
+    cell.pass_s(1.0)
+    assert cell.reason == "the run is done: let the key go"
+    state = cell.state()
+    x, y, z = state.base_T_tool.position
+    off = replace(state, base_T_tool=replace(state.base_T_tool, position=(x, y, z + 0.03)))
+    assert "done, but the arm is 30 mm and 0 deg off" in cell.run.hand(cell.site.now_ns, off).reason
+
+
+def test_a_gripper_that_is_not_measured_is_refused_before_anything_moves():
+    cell = cell_on(some_path(GripperAction(1.0, GripperCommand.OPEN)))
+    hand = cell.run.hand(cell.site.now_ns, replace(cell.state(), gripper=None))
+    assert "none that is measured" in hand.reason
+    assert hand.status.value == "initialising"
+    without = cell_on(some_path())
+    assert without.run.hand(without.site.now_ns, replace(without.state(), gripper=None)).reason == WAITS
+
+
 def test_a_silent_remote_site_stands_the_run():
     cell = engaged(cell_on(some_path()))
     cell.until("runs")

@@ -1,17 +1,25 @@
 """The path of a recorded episode: the tool's targets while the arm followed, and the gripper's toggles."""
 
+import os
+
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from common.errors import RecordingError, RefusedError
 from common.geometry import rotation_from_vector, transform
+from common.messages.recording import EpisodeOutcome
+from common.messages.requests import RecordAction
 from common.messages.robot import Engagement, GripperCommand, Pose
+from common.recording.config import RecordConfig
+from common.recording.repair import repair
 from farhand.replay.recorded_scene import recorded_cell
 from farhand.replay.recorded_tool_path import check_cell, path_of, recorded_path
 from local_site.programmed.approach import SPEED_M_S
 from tests.common.messages.golden_examples import STATE
-from tests.farhand.replay.recorded_states import recorded_states
+from tests.farhand.replay.recorded_states import moves_back, recorded_states
+from tests.remote_site.driven_loop import CONFIG
+from tests.remote_site.recording.recorded_site import RecordedSite
 
 STEP_NS = 10_000_000
 TOOL = transform(rotation_from_vector(np.array([0.1, 0.0, 0.3])), np.array([0.4, 0.1, 0.3]))
@@ -63,9 +71,41 @@ def test_states_that_come_twice_or_late_are_left_out():
 def test_an_episode_without_motion_and_one_that_is_not_there_are_refused_by_name(tmp_path):
     file = recorded_states(tmp_path).file
     cell = recorded_cell(file, tmp_path).cell
-    with pytest.raises(RecordingError, match="no episode 7; it has episodes 1"):
+    with pytest.raises(RecordingError, match=r"no episode 7: choose one by --episode\n  1: 4.0 s$"):
         recorded_path(file, cell, 7)
     assert recorded_path(file, cell, None).episode == 1
+
+
+def test_an_episode_lasts_to_the_end_of_a_recording_that_was_cut(tmp_path):
+    recorded = recorded_states(tmp_path, moves_back)
+    cell = recorded_cell(recorded.file, tmp_path).cell
+    whole = recorded_path(recorded.file, cell, None).path.duration_s
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(recorded.file.read_bytes())
+    os.truncate(cut, round(0.8 * cut.stat().st_size))
+    repair(cut)
+    assert 0.4 * whole < recorded_path(cut, cell, 1).path.duration_s < whole
+
+
+def test_episodes_are_listed_with_what_was_said_of_them_and_one_from_before_is_refused(tmp_path):
+    site = RecordedSite(tmp_path, RecordConfig(split_minutes=0.1))
+    site.loop.link.activate(CONFIG.robot.start)
+    site.run(0.4)
+    site.order(RecordAction.BEGIN, task="wait")
+    site.idle(7.0)
+    site.order(RecordAction.BEGIN, task="push")
+    site.idle(1.0)
+    site.order(RecordAction.END, outcome=EpisodeOutcome.FAILURE, note="slipped")
+    site.end()
+    first, second = sorted(site.out.iterdir())
+    with pytest.raises(
+        RecordingError, match=r"has 2 episodes.*\n  1: 7.\d s, wait\n  2: 1.\d s, failure, push, slipped$"
+    ):
+        recorded_path(first, CONFIG.cell, None)
+    with pytest.raises(RecordingError, match=r"episode 1 begins in a file before .*_002.mcap"):
+        recorded_path(second, CONFIG.cell, 1)
+    with pytest.raises(RecordingError, match="never followed the hand"):
+        recorded_path(first, CONFIG.cell, 2)
 
 
 def test_another_arm_is_refused(tmp_path):

@@ -43,7 +43,26 @@ def test_a_number_that_is_not_finite_and_a_single_way_point_are_refused(tmp_path
     with pytest.raises(ConfigError, match="finite"):
         load_task(file)
     file.write_text(as_toml(TASK).rpartition("[[waypoints]]")[0])
-    with pytest.raises(ConfigError, match="waypoints"):
+    with pytest.raises(ConfigError, match=r"waypoints: a list of 1 is not allowed: Expected `array` of length >= 2"):
+        load_task(file)
+
+
+@pytest.mark.parametrize(
+    ("line", "mistaken"),
+    [
+        ("speed_mm_s = 80", "speed_mm_s = 0.08"),
+        ("speed_mm_s = 80", "speed_mm_s = -80"),
+        ("speed_mm_s = 80", "speed_mm_s = nan"),
+        ("turn_deg_s = 45", "turn_deg_s = 0.79"),
+        ("acceleration_mm_s2 = 400", "acceleration_mm_s2 = 0.4"),
+        ("jerk_mm_s3 = 4000", "jerk_mm_s3 = 4"),
+        ("dwell_s = 0.5", "dwell_s = 500"),
+    ],
+)
+def test_a_number_in_other_units_is_refused(tmp_path, line, mistaken):
+    file = tmp_path / "task.toml"
+    file.write_text(as_toml(TASK).replace(line, mistaken))
+    with pytest.raises(ConfigError, match=f"{mistaken.split()[0]}: {mistaken.split()[2]} is not allowed"):
         load_task(file)
 
 
