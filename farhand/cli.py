@@ -7,6 +7,7 @@ import typer
 
 from common.errors import ConfigError, FarhandError, InterruptionError, NotInstalledError
 from common.process.log import finish_log
+from common.text import escaped
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app, limits
 from farhand.commands.export import export_app
@@ -21,6 +22,8 @@ from farhand.commands.teach import teach_app
 from farhand.commands.track import track
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
 from farhand.terminal import complain
+
+NO_SPACE = errno.ENOSPC, errno.EDQUOT
 
 app = typer.Typer(
     help="Farhand moves a robot arm somewhere else with a bare hand.",
@@ -57,9 +60,10 @@ def main() -> None:
         complain(error)
         sys.exit(_exit_code(error))
     except OSError as error:
-        if error.errno != errno.ENOSPC:
+        if error.errno not in NO_SPACE:
             raise
-        print("farhand: no space is left to write to; free some, or write elsewhere", file=sys.stderr)  # noqa: T201  # the command line's own voice
+        where = f" {escaped(str(error.filename))}" if error.filename else ""
+        print(f"farhand: no space is left to write to{where}; free some, or write elsewhere", file=sys.stderr)  # noqa: T201  # the command line's own voice
         sys.exit(FAILED)
 
 

@@ -1,9 +1,13 @@
 """Where compiled code is kept: stale once any file with compiled functions changes, as they call one another."""
 
 import hashlib
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import ClassVar
 
-from numba.core.caching import InTreeCacheLocator, UserProvidedCacheLocator, UserWideCacheLocator
+from numba.core.caching import FunctionCache, InTreeCacheLocator, UserProvidedCacheLocator, UserWideCacheLocator
 
 import local_site
 
@@ -43,3 +47,24 @@ class UsersFolder(_StaleWithAnySource, UserWideCacheLocator):
 
 
 LOCATORS = ",".join(f"{place.__module__}.{place.__qualname__}" for place in (GivenFolder, BesideSource, UsersFolder))
+
+
+class KeptCode(FunctionCache):
+    """The code of one function on disk; where it cannot be read or kept, as on a full disk, it is used all the same.
+
+    That is a warning, once for each folder.
+    """
+
+    _said: ClassVar[set[str]] = set()
+
+    @contextmanager
+    def _guard_against_spurious_io_errors(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            if self.cache_path not in self._said:
+                self._said.add(self.cache_path)
+                why = f"in {self.cache_path}: {error.strerror or error}"
+                warnings.warn(
+                    f"compiled code cannot be kept {why}; each start compiles it", RuntimeWarning, stacklevel=2
+                )

@@ -5,7 +5,7 @@ from typing import TypeVar, cast
 
 import numba
 
-from local_site.kernels.code_cache import LOCATORS
+from local_site.kernels.code_cache import LOCATORS, KeptCode
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -14,4 +14,6 @@ numba.config.CACHE_LOCATOR_CLASSES = LOCATORS  # type: ignore[attr-defined]  # m
 
 def compiled(function: Function) -> Function:
     """The function as machine code, kept on disk between runs; divisions by zero give infinities, as in arrays."""
-    return cast(Function, numba.njit(cache=True, error_model="numpy")(function))
+    dispatcher = numba.njit(error_model="numpy")(function)
+    dispatcher._cache = KeptCode(function)  # type: ignore[attr-defined, no-untyped-call]  # numba itself has no room for another
+    return cast(Function, dispatcher)

@@ -22,6 +22,7 @@ TICKS_BYTES = 16 << 20  # half a minute of control
 PICTURES_BYTES = 64 << 20  # ten seconds of four cameras
 REQUESTS_BYTES = STATUS_BYTES = 64 << 10
 SIZES = TICKS_BYTES, PICTURES_BYTES, REQUESTS_BYTES, STATUS_BYTES
+WHOLE = PAGE + sum(SIZES)
 GONE_NS = 5 * NS_PER_S  # on a machine that does much else it may stand still for long, and the rings wait for it
 AWAITED_NS = 25 * NS_PER_S  # from its start a site leaves its cycles for a recorder that waited: the ring holds more
 OWNER_ONLY = 0o600
@@ -36,12 +37,13 @@ def memory_path(cell: str, links: RemoteLinksConfig) -> Path:
 class RecordingMemory:
     """Four rings: `ticks` is written by control, `pictures` by video, `requests` by control, `status` by the recorder.
 
-    Pages are only used once they are written, so without a recorder the memory costs nothing.
+    Without a recorder the memory costs nothing: room for the rings is taken when a recorder attaches, or waits already.
+    It is taken whole, since a write for which there is no room left would kill control.
     """
 
     def __init__(self, path: Path, handle: int) -> None:
         self.path, self._handle = path, handle
-        memory = memoryview(mmap.mmap(handle, PAGE + sum(SIZES)))
+        memory = memoryview(mmap.mmap(handle, WHOLE))
         self._magic = memory[: len(MAGIC)]
         self._beat, self._taken = memory[BEAT_AT:TAKEN_AT].cast("q"), memory[TAKEN_AT : TAKEN_AT + 8].cast("q")
         parts, at = [], PAGE
@@ -57,16 +59,15 @@ class RecordingMemory:
         Create it before the fork: while the site or a process of it lives, the file is locked. A recorder that waits
         for this site counts as there from now on, however late it is scheduled.
         """
+        awaited = _is_awaited(path)
         try:
-            path.unlink(missing_ok=True)
-            handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, OWNER_ONLY)
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            os.ftruncate(handle, PAGE + sum(SIZES))
+            handle = _new_file(path, WHOLE if awaited else PAGE)
         except OSError as error:
-            cure = f"see who owns it, remove it, and start the site again: ls -l {path}"
+            see = f"see who owns it, remove it, and start the site again: ls -l {path}"
+            cure = _free_room(path, "site") if error.errno == errno.ENOSPC else see
             raise ProcessError(f"nothing can be recorded: {path} cannot be made: {error.strerror}; {cure}") from error
         made = cls(path, handle)
-        made._beat[0] = now_ns + AWAITED_NS - GONE_NS if _is_awaited(path) else now_ns - GONE_NS
+        made._beat[0] = now_ns + AWAITED_NS - GONE_NS if awaited else now_ns - GONE_NS
         made._magic[:] = MAGIC
         return made
 
@@ -87,7 +88,7 @@ class RecordingMemory:
         if os.geteuid() not in (facts.st_uid, 0) or not stat.S_ISREG(facts.st_mode) or facts.st_mode & 0o077:
             os.close(handle)
             raise ProcessError(f"{path} is not a site's: another user owns it, or may write to it; remove it")
-        if facts.st_size != PAGE + sum(SIZES):
+        if facts.st_size != WHOLE:
             os.close(handle)
             return None  # it is being made
         memory = cls(path, handle)
@@ -95,6 +96,7 @@ class RecordingMemory:
             memory.close()
             return None
         memory._claim()
+        memory._take_room()
         return memory
 
     def _claim(self) -> None:
@@ -104,6 +106,16 @@ class RecordingMemory:
         except BlockingIOError as error:
             self.close()
             raise ProcessError(f"another recorder is at {self.path}; end it first") from error
+
+    def _take_room(self) -> None:
+        """Have a page for every byte, before control and video see a recorder."""
+        try:
+            os.posix_fallocate(self._handle, 0, WHOLE)
+        except OSError as error:
+            self.close()
+            raise ProcessError(
+                f"nothing can be recorded: {error.strerror}; {_free_room(self.path, 'recorder')}"
+            ) from error
 
     def is_left(self) -> bool:
         """Whether no process of the site lives any more, or another run has taken its place; for the recorder."""
@@ -164,6 +176,25 @@ def stop_waiting(path: Path, handle: int) -> None:
     """Take back what `wait_for_site` has shown."""
     _waiting(path).unlink(missing_ok=True)
     os.close(handle)
+
+
+def _new_file(path: Path, room_bytes: int) -> int:
+    """A file of the whole size, locked, with room for its first bytes; in the place of an earlier one."""
+    path.unlink(missing_ok=True)
+    handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, OWNER_ONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        os.ftruncate(handle, WHOLE)
+        os.posix_fallocate(handle, 0, room_bytes)
+    except OSError:
+        os.close(handle)
+        path.unlink(missing_ok=True)
+        raise
+    return handle
+
+
+def _free_room(path: Path, who: str) -> str:
+    return f"free {WHOLE >> 20} MB in {path.parent}, and start the {who} again"
 
 
 def _waiting(path: Path) -> Path:

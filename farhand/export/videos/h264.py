@@ -1,6 +1,7 @@
 """Pictures as H.264 in MP4: written, joined without encoding again; JPEG to pixels and back."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 
@@ -20,6 +21,7 @@ class H264File:
     """A video of constant rate (Hz), size (width, height); a key picture every `gop` pictures.
 
     Encoded by x264 with constant quality; without pictures that refer to later ones, so that files can be joined.
+    OSError of any call: nothing more can be written.
     """
 
     def __init__(self, path: Path, size_px: tuple[int, int], fps: int, gop: int, crf: int) -> None:
@@ -30,7 +32,7 @@ class H264File:
         stream.pix_fmt = PIXELS
         stream.gop_size = gop
         stream.codec_context.time_base = Fraction(1, fps)
-        self._stream, self._count = stream, 0
+        self._stream, self._count, self._failed = stream, 0, False
 
     def add(self, picture: Rgb) -> None:
         """Encode the next picture (height, width, 3), RGB."""
@@ -38,12 +40,23 @@ class H264File:
         frame.pts = self._count
         frame.time_base = self._stream.codec_context.time_base
         self._count += 1
-        self._container.mux(self._stream.encode(frame))
+        self._write(frame)
 
     def finish(self) -> None:
-        """Complete the file."""
-        self._container.mux(self._stream.encode(None))
+        """Complete the file, or only close it where it could not be written."""
+        if self._failed:
+            with suppress(av.FFmpegError):  # which said so before
+                self._container.close()
+            return
+        self._write(None)
         self._container.close()
+
+    def _write(self, frame: av.VideoFrame | None) -> None:
+        try:
+            self._container.mux(self._stream.encode(frame))
+        except av.FFmpegError:
+            self._failed = True  # a header that failed must not be written again: that crashes the process
+            raise
 
 
 def joined(parts: Sequence[Path], out: Path, fps: int) -> None:

@@ -1,5 +1,7 @@
 """The command line as a user meets it: exit codes, and errors that name the cure without a traceback."""
 
+import errno
+import os
 import socket
 import subprocess
 import sys
@@ -155,6 +157,17 @@ def test_a_full_disk_ends_a_command_without_a_traceback(command: list[str], tmp_
         )
     assert done.returncode == 1
     assert done.stderr == "farhand: no space is left to write to; free some, or write elsewhere\n"
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT])
+def test_a_full_disk_is_named_by_the_file_where_that_is_known(number: int, here, monkeypatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(number, os.strerror(number), "/disk/report.html")
+
+    monkeypatch.setattr("farhand.cli.app", full)
+    done = here("config", "show", "remote")
+    assert done.returncode == 1
+    assert done.stderr == "farhand: no space is left to write to /disk/report.html; free some, or write elsewhere\n"
 
 
 @pytest.mark.parametrize(("site", "key"), [("local", "links.listen"), ("remote", "links.video")])

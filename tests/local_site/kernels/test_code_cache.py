@@ -11,6 +11,10 @@ from local_site.kernels.code_cache import digest_of_sources
 from local_site.kernels.pictures import grey_at
 
 PROGRAM = "import local_site.inner, local_site.outer; print(local_site.outer.twice())"
+NO_ROOM = (
+    "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN); "
+    "resource.setrlimit(resource.RLIMIT_FSIZE, (64, 64)); "
+)
 INNER = "from local_site.kernels.compiled import compiled\nSIZE = {size}\n@compiled\ndef once():\n    return SIZE\n"
 OUTER = (
     "from local_site.kernels.compiled import compiled\nfrom local_site.inner import SIZE, once\n"
@@ -69,3 +73,19 @@ def test_only_files_with_compiled_functions_count(tmp_path):
     assert digest_of_sources(tmp_path) == before
     (tmp_path / "other.py").write_text("@compiled\ndef other(): ...\n")
     assert digest_of_sources(tmp_path) != before
+
+
+def test_code_that_cannot_be_kept_is_used_all_the_same_and_that_is_said_once(package):
+    """A full disk used to end the tracker with a bare OSError, at the first call of whatever was not kept yet."""
+    done = subprocess.run(
+        [sys.executable, "-c", NO_ROOM + PROGRAM],
+        cwd=package.parent,
+        env={**os.environ, "PYTHONPATH": str(package.parent)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert (done.returncode, done.stdout) == (0, "2\n"), done.stderr
+    assert done.stderr.count("RuntimeWarning: compiled code cannot be kept") == 1
+    assert "File too large" in done.stderr

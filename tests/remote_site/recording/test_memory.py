@@ -3,6 +3,8 @@
 import gc
 import os
 import stat
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +26,40 @@ def test_it_is_its_owners_alone_and_takes_no_room_until_it_is_used(tmp_path: Pat
     assert stat.S_IMODE(facts.st_mode) == 0o600
     assert facts.st_blocks * 512 < 100_000
     memory.close()
+
+
+SMALL_TMPFS = "mount -t tmpfs -o size={size} tmpfs {folder} && exec {python} -c '{program}' {folder}"
+CREATES = "RecordingMemory.create(path, 10**12)"
+WAITS_AND_CREATES = "wait_for_site(path); RecordingMemory.create(path, 10**12)"
+ATTACHES = "memory = RecordingMemory.create(path, 10**12); RecordingMemory.attach(path)"
+PROGRAM = """
+import sys; from pathlib import Path
+from common.errors import ProcessError
+from remote_site.recording.memory import RecordingMemory, wait_for_site
+path = Path(sys.argv[1]) / "memory"
+try: {act}
+except ProcessError as error: print(error)
+else: print("made")
+"""
+
+
+def on_a_tmpfs(tmp_path: Path, size: str, act: str) -> str:
+    """What becomes of the memory in a file system of this size; a write beyond it would kill the process by SIGBUS."""
+    command = SMALL_TMPFS.format(size=size, folder=tmp_path, python=sys.executable, program=PROGRAM.format(act=act))
+    done = subprocess.run(["unshare", "--mount", "sh", "-c", command], check=False, capture_output=True, text=True)
+    if "Operation not permitted" in done.stderr:
+        pytest.skip("no right to mount a small file system")
+    assert done.returncode == 0, done
+    return done.stdout
+
+
+def test_memory_without_room_is_an_error_before_anything_is_written_to_it(tmp_path: Path) -> None:
+    assert on_a_tmpfs(tmp_path, "200m", ATTACHES) == "made\n"
+    assert on_a_tmpfs(tmp_path, "64k", CREATES) == "made\n"
+    for act in (WAITS_AND_CREATES, ATTACHES):
+        said = on_a_tmpfs(tmp_path, "64k", act)
+        assert "No space left on device" in said
+        assert f"free 80 MB in {tmp_path}" in said
 
 
 def test_a_recorder_is_there_while_it_beats(tmp_path: Path) -> None:
