@@ -25,6 +25,7 @@ def test_the_loop_closes_in_a_room(tmp_path: Path) -> None:
         pytest.skip(str(missing))
     report, views = tmp_path / "out.json", tmp_path / "views"
     command = ("--seconds", "9", "--headless", "--tracker", "learned", "--save-views", str(views))
+    command += ("--set", "simulation.fps=10")  # both cameras and the tracker in real time fill two processors at 15
     figures = run_loopback(*command, report=report, timeout_s=180)
     assert figures["engagements"] == 1
     assert figures["follow_mm"]["mean"] < MAX_FOLLOW_MM
