@@ -39,7 +39,7 @@ bench: $(READY)  ## side-by-side measurements, written to build/bench.json
 
 results: $(READY)  ## every experiment in full, hours of it but for the trials in docs/results, and what comes of it into docs
 	@mkdir -p build/results docs/results
-	@test ! -e docs/results/trials.jsonl || cp --update docs/results/trials.jsonl build/results/
+	@test -e build/results/trials.jsonl || test ! -e docs/results/trials.jsonl || cp docs/results/trials.jsonl build/results/
 	@$(BIN)/farhand experiment all --out build/results
 	@cp build/results/results.md docs/results.md
 	@cp build/results/trials.jsonl docs/results/

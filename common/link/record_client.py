@@ -2,13 +2,10 @@
 
 from functools import partial
 
-from common.errors import TransportError
-from common.link.channels import RECORD, RECORD_OWN, Procedure
-from common.link.request_client import RequestClient, RequestMaker
+from common.link.channels import RECORD, RECORD_OWN
+from common.link.request_client import RequestClient, answered
 from common.messages.recording import EpisodeOutcome
-from common.messages.requests import NO_RECORDER, RecordAction, RecordRequest, Reply
-
-SILENT = "silent"
+from common.messages.requests import NO_RECORDER, SILENT, RecordAction, RecordRequest, Reply
 
 
 class RecordClient:
@@ -22,7 +19,8 @@ class RecordClient:
     ) -> Reply:
         """The reply of both; a site that does not answer refuses with the code SILENT."""
         make = partial(RecordRequest, action=action, task=task, outcome=outcome, note=note)
-        return reply_of_both(_asked(self._remote, RECORD, make), _asked(self._local, RECORD_OWN, make))
+        remote = answered(lambda: self._remote.ask(RECORD, make))
+        return reply_of_both(remote, answered(lambda: self._local.ask(RECORD_OWN, make)))
 
 
 def reply_of_both(remote: Reply, local: Reply) -> Reply:
@@ -34,12 +32,3 @@ def reply_of_both(remote: Reply, local: Reply) -> Reply:
         return Reply(id=remote.id, done=True, code=remote.code, reason=f"{remote.reason}; {local.reason}")
     says_more = remote.code != NO_RECORDER or local.code in (NO_RECORDER, SILENT)
     return remote if says_more else local
-
-
-def _asked(
-    client: RequestClient, procedure: Procedure[RecordRequest, Reply], make: RequestMaker[RecordRequest]
-) -> Reply:
-    try:
-        return client.ask(procedure, make)
-    except TransportError as error:
-        return Reply(id=0, done=False, code=SILENT, reason=str(error))

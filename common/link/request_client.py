@@ -10,7 +10,7 @@ from common.link.channels import ANY, Procedure
 from common.link.remote_clock import RemoteClock
 from common.link.transport import Link
 from common.messages.base import Message
-from common.messages.requests import ACTIVATED, Reply, Request, StopRequest
+from common.messages.requests import ACTIVATED, SILENT, Reply, Request, StopRequest
 
 Question = TypeVar("Question", bound=Message)
 Requested = TypeVar("Requested", bound=Request)
@@ -59,6 +59,14 @@ class RequestSchedule:
         self._activated = True
         self._begin(now_ns + SETTLE_NS)
         return False
+
+
+def answered(ask: Callable[[], Reply]) -> Reply:
+    """The reply that `ask` brings; where it raises a TransportError, a refusal with the code SILENT and its words."""
+    try:
+        return ask()
+    except TransportError as error:
+        return Reply(id=0, done=False, code=SILENT, reason=str(error))
 
 
 class RequestClient:

@@ -12,6 +12,7 @@ from common.messages.robot import Asker, Pose
 
 ACTIVATED = "activated"  # the code when an engagement first had to activate the robot: ask once more
 WAITING = "waiting"  # the code where the local site keeps asking for the lease that another holds
+SILENT = "silent"  # the code where a site that was asked does not answer
 NO_RECORDER = "no_recorder"  # the code of a site beside which no recorder runs
 Fraction = Annotated[float, msgspec.Meta(ge=0, le=1)]
 PicturePoint = tuple[Fraction, Fraction]

@@ -8,10 +8,9 @@ from common.clock import NS_PER_S
 from common.errors import MessageError, TransportError
 from common.link.channels import OPERATE, STATE
 from common.link.config import ON_THIS_HOST, LinkSecurity
-from common.link.record_client import SILENT
 from common.link.request_client import PATIENCE_NS, RequestClient
 from common.link.transport import Link
-from common.messages.requests import WAITING, OperatorAction, OperatorRequest
+from common.messages.requests import SILENT, WAITING, OperatorAction, OperatorRequest
 from common.messages.robot import Asker, RobotState
 from farhand.authority.asking import link_to
 from local_site.authority.lease_policy import KEEP_ASKING_NS

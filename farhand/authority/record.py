@@ -4,11 +4,11 @@ from common.clock import NS_PER_S
 from common.errors import TransportError
 from common.link.channels import check_cell_name
 from common.link.config import ON_THIS_HOST, LinkSecurity
-from common.link.record_client import SILENT, RecordClient
+from common.link.record_client import RecordClient
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.messages.recording import EpisodeOutcome
-from common.messages.requests import RecordAction
+from common.messages.requests import SILENT, RecordAction
 from farhand.authority.asking import link_to
 
 LOCAL_PATIENCE_NS = NS_PER_S

@@ -13,13 +13,13 @@ import structlog
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
 from common.errors import ProcessError, RefusedError, TransportError
 from common.link.channels import DESCRIBE, LEASE, OPERATE
-from common.link.record_client import SILENT
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.link.transport import Link
 from common.link.trouble_report import tell_by_tls
 from common.messages.hand import ClockSync
 from common.messages.requests import (
+    SILENT,
     WAITING,
     DescribeQuestion,
     LeaseAction,

@@ -1,13 +1,11 @@
 """What the operator asks of the sites through the page."""
 
-from collections.abc import Callable
 from functools import partial
 
-from common.errors import TransportError
 from common.link.channels import JOINTS, OPERATE
 from common.link.engagement_client import ask_engagement
-from common.link.record_client import SILENT, RecordClient
-from common.link.request_client import RequestClient
+from common.link.record_client import RecordClient
+from common.link.request_client import RequestClient, answered
 from common.link.transport import Link
 from common.messages.recording import EpisodeOutcome
 from common.messages.requests import (
@@ -33,11 +31,11 @@ class SiteRequests:
 
     def engagement(self, action: EngagementAction) -> Reply:
         """The remote site's reply."""
-        return _answered(lambda: ask_engagement(self._remote, action))
+        return answered(lambda: ask_engagement(self._remote, action))
 
     def lease(self, action: OperatorAction, to: Asker | None) -> Reply:
         """The local site's reply; `to` is whom the page has shown to ask for the lease."""
-        return _answered(lambda: self._local.ask(OPERATE, partial(OperatorRequest, action=action, to=to)))
+        return answered(lambda: self._local.ask(OPERATE, partial(OperatorRequest, action=action, to=to)))
 
     def record(self, action: RecordAction, outcome: EpisodeOutcome) -> Reply:
         """What both sites reply to what is asked of their recorders."""
@@ -46,11 +44,4 @@ class SiteRequests:
     def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply:
         """The local site's reply to the positions of the joints that the operator has clicked."""
         make = partial(JointsRequest, shoulder=shoulder, elbow=elbow, wrist=wrist)
-        return _answered(lambda: self._local.ask(JOINTS, make))
-
-
-def _answered(ask: Callable[[], Reply]) -> Reply:
-    try:
-        return ask()
-    except TransportError as error:
-        return Reply(id=0, done=False, code=SILENT, reason=str(error))
+        return answered(lambda: self._local.ask(JOINTS, make))

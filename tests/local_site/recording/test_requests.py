@@ -2,27 +2,9 @@
 
 import pytest
 
-from common.messages.recording import EpisodeOutcome, RecordingState
 from common.messages.requests import RecordAction, RecordRequest
 from local_site.recording.requests import answer
-
-
-def recorder(*, writing: bool, on_request: bool) -> RecordingState:
-    return RecordingState(
-        writing=writing,
-        on_request=on_request,
-        operator_pictures=False,
-        episode=0,
-        episode_open=False,
-        task="",
-        outcome=EpisodeOutcome.UNKNOWN,
-        lost=0,
-        alarm="",
-    )
-
-
-IDLE = recorder(writing=False, on_request=True)
-ASKED, FIXED = recorder(writing=True, on_request=True), recorder(writing=True, on_request=False)
+from tests.common.recording.recorder_states import ASKED, FIXED, IDLE
 
 
 @pytest.mark.parametrize(

@@ -2,31 +2,13 @@
 
 import pytest
 
-from common.messages.recording import EpisodeOutcome, RecordingState
 from common.messages.requests import RecordAction
 from remote_site.reasons import Code
 from remote_site.runtime.recording_requests import refusal_of
 from remote_site.session.lease import Holder, Lease
+from tests.common.recording.recorder_states import ASKED, FIXED, IDLE
 
 LEASE = Lease(41, Holder(7, "anna"), 10**9)
-
-
-def recorder(*, writing: bool, on_request: bool) -> RecordingState:
-    return RecordingState(
-        writing=writing,
-        on_request=on_request,
-        operator_pictures=False,
-        episode=0,
-        episode_open=False,
-        task="",
-        outcome=EpisodeOutcome.UNKNOWN,
-        lost=0,
-        alarm="",
-    )
-
-
-IDLE = recorder(writing=False, on_request=True)
-ASKED, FIXED = recorder(writing=True, on_request=True), recorder(writing=True, on_request=False)
 
 
 @pytest.mark.parametrize(
