@@ -13,7 +13,7 @@ from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
 from common.link.session_settings import Mode, Served, SessionEndpoints, session_settings
 from common.link.transport import open_router
-from common.process.log import LogFormat, start_log
+from common.process.log import LogFormat, log_end, start_log
 from common.process.service import StopFlag, notify
 
 BEAT_S = 0.2
@@ -50,6 +50,7 @@ def run_router(config: RouterConfig, should_stop: StopFlag, log_format: LogForma
         while not should_stop.wait(BEAT_S):
             notify("WATCHDOG=1")
         notify("STOPPING=1")
+    log_end()
 
 
 def zenohd_configuration(config: RouterConfig) -> str:

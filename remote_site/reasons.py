@@ -99,6 +99,7 @@ class Code(StrEnum):
     RECORD_ASKED = "record_asked", "the recorder has been asked; the mark on the page shows what it does"
     # the session
     NOT_ENGAGED = "not_engaged", "not engaged yet"
+    SITE_ENDED = "site_ended", "the remote site was asked to end"
     SITE_STARTING = "site_starting", "the remote site is still starting"
     NO_HAND = "no_hand", "no hand sample has arrived yet"
     COLLECTING = "collecting", "{count} of {needed} good hand samples in a row"

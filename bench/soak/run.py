@@ -12,12 +12,11 @@ from bench.soak.robot import c500c, kinematic, simulated
 from bench.soak.world import CONFIG, MakeRobot, World
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
-from common.messages.robot import SessionState
+from common.messages.robot import FOLLOWING, SessionState
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.clearance import Workspace
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.stopping import stop_time
-from remote_site.session.state_machine import FOLLOWING
 
 Mask = npt.NDArray[np.bool_]
 

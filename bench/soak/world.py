@@ -11,7 +11,7 @@ from bench.soak.operator import RandomOperator
 from bench.soak.robot import FaultInjectingDriver
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.messages.requests import EngagementAction
-from common.messages.robot import SessionState
+from common.messages.robot import FOLLOWING, SessionState
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import Driver, DriverSetup
 from remote_site.drivers.faults import RobotFault
@@ -27,7 +27,6 @@ from remote_site.runtime.rate import Rate
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.lease import LeaseServer
 from remote_site.session.requests import SessionRequest
-from remote_site.session.state_machine import FOLLOWING
 from remote_site.teleop.cycle import Snapshot
 from remote_site.teleop.pipeline import TeleopPipeline
 

@@ -8,7 +8,7 @@ from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import TransportError
 from common.link.channels import ANY, Procedure
 from common.link.remote_clock import RemoteClock
-from common.link.transport import Link
+from common.link.transport import REQUEST_TIMEOUT_S, Link
 from common.messages.base import Message
 from common.messages.requests import ACTIVATED, SILENT, Reply, Request, StopRequest
 
@@ -121,7 +121,8 @@ class RequestClient:
             request = make(schedule, now_ns)
             if request is None:
                 continue
-            reply = self._link.ask(procedure, self._cell, request, operator=self._operator)
+            timeout_s = min(REQUEST_TIMEOUT_S, (schedule.give_up_ns - now_ns) / NS_PER_S)
+            reply = self._link.ask(procedure, self._cell, request, operator=self._operator, timeout_s=timeout_s)
             if reply is not None and schedule.accepts(reply, clock.now_ns()):
                 return reply
 

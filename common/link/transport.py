@@ -1,6 +1,7 @@
 """Links between sites: Zenoh sessions with explicit endpoints, which publish, subscribe, ask and answer."""
 
 import json
+import threading
 import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
@@ -31,6 +32,7 @@ R = TypeVar("R", bound=Message)
 
 REQUEST_TIMEOUT_S = 0.7  # longer than any round trip over which the reason for a refusal is to be heard
 PENDING_REQUESTS = 16
+CLOSE_PATIENCE_S = 0.4
 ROUTER_PATIENCE_S = 20.0
 ROUTER_POLL_S = 0.2
 CONTROL = (ChannelSession.CONTROL,)
@@ -73,9 +75,14 @@ class Link:
         self.close()
 
     def close(self) -> None:
-        """Close the session with everything declared on it; closing twice is harmless."""
+        """Close the session with everything declared on it; closing twice is harmless.
+
+        It waits for CLOSE_PATIENCE_S at most: for a neighbour that is gone Zenoh would wait until its lease is over.
+        """
         if not self._session.is_closed():
-            self._session.close()  # type: ignore[no-untyped-call]  # zenoh leaves it unannotated
+            closing = threading.Thread(target=self._session.close, name="close", daemon=True)
+            closing.start()
+            closing.join(CLOSE_PATIENCE_S)
 
     def publisher(self, channel: Channel[M], cell: str, name: str = ANY, *, operator: str = ANY) -> Publisher[M]:
         """A publisher of a channel in a cell; `name` tells apart channels of one kind, such as cameras."""
@@ -119,13 +126,28 @@ class Link:
         """A server of requests that must take effect once; `on_refused` is called for what cannot be decoded."""
         return IdempotentServer(self.answer(procedure, cell, on_refused, operator=operator), procedure.reply)
 
-    def ask(self, procedure: Procedure[Q, R], cell: str, question: Q, *, operator: str = ANY) -> R | None:
-        """Ask once; None without an answer in time, RefusedError when one site cannot decode the other's message."""
+    def ask(
+        self,
+        procedure: Procedure[Q, R],
+        cell: str,
+        question: Q,
+        *,
+        operator: str = ANY,
+        timeout_s: float = REQUEST_TIMEOUT_S,
+    ) -> R | None:
+        """Ask once; None without an answer in time.
+
+        RefusedError when one site cannot decode the other's message, TransportError once the link is closed.
+        """
         key = procedure.key_for(cell, operator=operator)
         self._check(ChannelSession.CONTROL, procedure.asked_by, cell, f"ask {key}")
         self._check_operator(procedure, operator, f"ask {key}")
         self._was_up = self._was_up or self._is_up()
-        for reply in self._session.get(key, payload=encode(question), timeout=REQUEST_TIMEOUT_S):
+        try:
+            replies = self._session.get(key, payload=encode(question), timeout=timeout_s)
+        except zenoh.ZError as error:
+            raise TransportError("the link was closed") from error
+        for reply in replies:
             if reply.ok is not None:
                 return _decode_reply(reply.ok.payload.to_bytes(), procedure)
             if reply.err is not None and (why := reply.err.payload.to_bytes()).startswith(REFUSAL):

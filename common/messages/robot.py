@@ -21,6 +21,10 @@ class SessionState(StrEnum):
     FAULT = "fault"
 
 
+FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)  # within an engagement
+SITE_ENDED = "site_ended"  # the code of the last state of a remote site that was asked to end
+
+
 class GripperCommand(StrEnum):
     """What the gripper is commanded to do; `keep` leaves it as it is, whatever it holds."""
 

@@ -22,6 +22,7 @@ from common.process.service import StopFlag
 PR_SET_PDEATHSIG = 1
 PR_SET_NAME = 15
 END_TIMEOUT_S = 1.5
+APART_S = 0.25  # until the next one is told to end
 KILL_TIMEOUT_S = 0.5
 READY_TIMEOUT_S = 60.0  # OpenGL, a camera or a robot may take half of it on a machine that does much else
 READY_POLL_S = 0.01
@@ -128,12 +129,16 @@ class Children:
             structlog.get_logger().error("died; the site continues without it", process=child.name)
 
     def end(self) -> None:
-        """End the children in order of their start, so that each still finds what it needs while it ends."""
-        for child in self.children:
+        """End the children, the last one started first, so that each still finds what it needs while it ends.
+
+        Who takes long does not keep the others from being told: a driver has to stop its robot.
+        """
+        deadline = time.monotonic() + END_TIMEOUT_S
+        for child in reversed(self.children):
             if child.process.is_alive():
                 child.process.terminate()
-        deadline = time.monotonic() + END_TIMEOUT_S
-        for child in self.children:
+            child.process.join(APART_S)
+        for child in reversed(self.children):
             child.process.join(max(0.0, deadline - time.monotonic()))
             if child.process.is_alive():
                 structlog.get_logger().error("had to be killed", process=child.name)

@@ -52,6 +52,11 @@ def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
     catch_strays()
 
 
+def log_end() -> None:
+    """The last line of a daemon that was asked to end, and has."""
+    structlog.get_logger().info("ended", reason="it was asked to end")
+
+
 def finish_log() -> None:
     """Write the lines that still wait, and log no more; a process calls it last, before it prints why it ends."""
     _log_thread().stop()

@@ -9,7 +9,7 @@ import structlog
 
 from common.config import apply_setting, load_config, read_tables
 from common.errors import FarhandError, RecordingError
-from common.process.log import LogFormat, start_log
+from common.process.log import LogFormat, log_end, start_log
 from common.process.service import StopFlag, be_nice
 from common.recording.folder import make_private, recordings_folder
 from common.recording.session import RecordingPlan
@@ -49,6 +49,7 @@ def run_recorder(
     except FarhandError as error:
         log.error("ending", reason=str(error))
         raise
+    log_end()
 
 
 def load_site(config: Path | None, settings: Sequence[str]) -> RemoteConfig | LocalConfig:

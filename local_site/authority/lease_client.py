@@ -36,6 +36,7 @@ from local_site.authority.lease_policy import KEEP_ASKING_NS, LeasePolicy
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
 PATIENCE_NS = NS_PER_S
+END_PATIENCE_S = 0.6  # for what is under way, and the release: without it the lease expires by itself
 ROUNDS_TO_DOUBT = 25  # of silence, until it probes for the reason: about six seconds
 ROUNDS_TO_WARN = 7  # at most five seconds
 TAKE_IT = "where it is wanted again: farhand lease take, which also brings back that it is asked for automatically"
@@ -51,7 +52,7 @@ class LeaseAndClock:
 
 
 class Authority:
-    """Acquires and renews the lease while its block lasts, and releases it at the end.
+    """Acquires and renews the lease while its block lasts, and releases it at the end, if the remote site answers soon.
 
     `session` is the number that this site's samples carry, `operator` the name shown to others.
     """
@@ -81,7 +82,7 @@ class Authority:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._stop.set()
-        self._thread.join()
+        self._thread.join(END_PATIENCE_S)
 
     def lease_and_clock(self, now_ns: int) -> LeaseAndClock:
         """The current lease and clock offset; RefusedError when both sites cannot or may not talk to each other."""
@@ -101,6 +102,9 @@ class Authority:
         except RefusedError as error:
             tell_by_tls(self._link, self._cell, self._policy.operator, str(error))
             self._refused = error
+        except TransportError:
+            if not self._stop.is_set():  # else the link is closed already: the remote site did not answer in time
+                raise
 
     def _step(self, now_ns: int) -> None:
         if now_ns >= self._clock_due_ns:

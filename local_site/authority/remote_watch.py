@@ -5,14 +5,15 @@ from dataclasses import dataclass
 
 import structlog
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import MessageError
 from common.link.channels import STATE
 from common.link.pubsub import Latest
 from common.messages.hand import OperatorSettings
-from common.messages.robot import Asker, RobotState
+from common.messages.robot import SITE_ENDED, Asker, RobotState
 from common.process.link_log import LinkLog
 from common.process.log import RefusalLog
+from common.process.state_lines import StateLines, counted
 
 CODES_APART_NS = NS_PER_S  # near a limit a reason comes and goes with every sample
 
@@ -53,7 +54,8 @@ class RemoteWatch:
         self.state: RobotState | None = None
         self._asker: Asker | None = None
         self._health = ChannelHealth(STATE.stale_after_ns)
-        self._logged: tuple[str, str] | None = None
+        self._lines = StateLines()
+        self._code: str | None = None
         self._logged_ns = 0
         self._refusals = RefusalLog("state refused")
         self._link_log = LinkLog()
@@ -81,17 +83,24 @@ class RemoteWatch:
             self._log(state, now_ns)
         alive = self._health.change(now_ns)
         if alive is False:
-            self._logged = None
-            structlog.get_logger().warning("the remote site is silent", for_ms=STATE.stale_after_ns // 1_000_000)
+            self._code = None
+            self._log_silence()
         elif alive:
             structlog.get_logger().info("the remote site is there")
 
+    def _log_silence(self) -> None:
+        """Log that no state comes any more; the last one may have told why."""
+        if self.state is not None and self.state.code == SITE_ENDED:
+            structlog.get_logger().info("the remote site has ended", reason=self.state.reason)
+        else:
+            structlog.get_logger().warning("the remote site is silent", for_ms=STATE.stale_after_ns // NS_PER_MS)
+
     def _log(self, state: RobotState, now_ns: int) -> None:
-        news = (state.state.value, state.code)
-        changed = self._logged is None or news[0] != self._logged[0]
-        if changed or (news != self._logged and now_ns - self._logged_ns >= CODES_APART_NS):
-            self._logged, self._logged_ns = news, now_ns
-            structlog.get_logger().info("remote", state=state.state.value, code=state.code, reason=state.reason)
+        changes, apart_ns = self._lines.note(state.state, now_ns), now_ns - self._logged_ns
+        if changes or self._code is None or (state.code != self._code and apart_ns >= CODES_APART_NS):
+            self._code, self._logged_ns = state.code, now_ns
+            fields = {"state": state.state.value, "code": state.code, "reason": state.reason}
+            structlog.get_logger().info("remote", **fields, **counted(changes))
         ready = state.readiness
         self._link_log.note_limit(state.age_limit_ms, state.speed_scale, ready.code, ready.reason)
         lease = state.lease

@@ -16,7 +16,7 @@ from common.link.credentials import check_links
 from common.link.transport import Link, open_link
 from common.messages.base import SESSION_BITS
 from common.messages.requests import Description
-from common.process.log import LogFormat, start_log
+from common.process.log import LogFormat, log_end, start_log
 from common.process.service import StopFlag, notify
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig
@@ -54,6 +54,7 @@ def run_console(
     except Exception as error:
         structlog.get_logger().error("ending", reason=repr(error))
         raise ProcessError(f"the console has died: {error!r}") from error
+    log_end()
 
 
 async def _serve(

@@ -16,7 +16,7 @@ from common.link.endpoints import check_free
 from common.link.transport import open_link
 from common.messages.base import SESSION_BITS
 from common.process.children import Children, Heartbeat
-from common.process.log import LogFormat, start_log
+from common.process.log import LogFormat, log_end, start_log
 from common.process.service import StopFlag, ask_for_real_time, notify
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.rig_cameras import open_operator
@@ -56,6 +56,7 @@ def run_local(
         raise
     finally:
         children.end()
+    log_end()
 
 
 def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -> None:

@@ -20,7 +20,7 @@ from common.link.roles import Identity, Role
 from common.link.tap import untapped
 from common.messages.video import VideoFrame
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
-from common.process.log import LogFormat, start_log
+from common.process.log import LogFormat, log_end, start_log
 from common.process.service import StopFlag, notify
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
@@ -97,6 +97,7 @@ def run_remote(
             notify("READY=1")
             log.info("ready", cell=config.cell, driver=config.driver.name, control=config.links.control_endpoint)
         _watch(children, CertificateValidity(config.links.tls), should_stop)
+        site.set_ending()
         marker.clear()
     except FarhandError as error:
         log.error("ending", reason=str(error))
@@ -105,6 +106,7 @@ def run_remote(
         notify("STOPPING=1")
         children.end()
         stack.close()
+    log_end()
 
 
 def _check_start(config: RemoteConfig) -> None:

@@ -15,6 +15,7 @@ from common.link.tap import untapped
 from common.link.transport import Link
 from common.messages.hand import HandArm
 from common.messages.requests import EngagementAction, Reply
+from common.messages.robot import FOLLOWING, SessionState
 from common.process.children import Heartbeat
 from common.process.log import RefusalLog
 from common.process.service import StopFlag, ask_for_real_time
@@ -24,6 +25,7 @@ from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.limits import load_arm
+from remote_site.reasons import Code, reason
 from remote_site.recording.control_tap import ControlTap
 from remote_site.recording.memory import RecordingMemory
 from remote_site.runtime.assist_memory import AssistMemory
@@ -39,7 +41,7 @@ from remote_site.safety.collision import CollisionModel
 from remote_site.session.lease import LeaseServer
 from remote_site.session.requests import SessionRequest
 from remote_site.session.samples import NamedSample
-from remote_site.session.state_machine import FOLLOWING, Answer
+from remote_site.session.state_machine import Answer
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.views import PostureMirror
 from remote_site.teleop.cycle import Snapshot
@@ -102,6 +104,7 @@ def run_control(
             loop.tick(clock.now_ns())
             heartbeat.beat()
         driver.stop()
+        loop.end()
 
 
 class Inbox:
@@ -171,6 +174,7 @@ class ControlLoop:
         self._mirror = mirror
         self._site, self._assist, self._recording = site, assist, recording
         self._pace, self._ticks = StatePace(), 0
+        self._snapshot: Snapshot | None = None
 
     def tick(self, now_ns: int) -> None:
         """One control tick; no reply delays a command."""
@@ -178,7 +182,7 @@ class ControlLoop:
         requests = [request for request, _ in waiting]
         lease, samples = self._leases.status(now_ns), self._inbox.samples()
         markers = self._assist.take_markers() if self._assist is not None else ()
-        snapshot = driven.cycle(now_ns, lease, samples, requests, markers, site_ready=self._site.ready)
+        snapshot = self._snapshot = driven.cycle(now_ns, lease, samples, requests, markers, site_ready=self._site.ready)
         for (_, reply), answer in zip(waiting, snapshot.answers, strict=True):
             reply(answer)
         self._reporter.note(snapshot, driven)
@@ -192,6 +196,15 @@ class ControlLoop:
         if self._mirror is not None:
             self._mirror.show(driven.report.t_ns, driven.report.q)
         self._server.poll(engaged=snapshot.state in FOLLOWING)
+
+    def end(self) -> None:
+        """Publish that the site has been asked to end, if it has: its silence is no failure then."""
+        if self._snapshot is None or not self._site.ending:
+            return
+        state = SessionState.DISENGAGED if self._snapshot.state in FOLLOWING else self._snapshot.state
+        ended = self._snapshot._replace(state=state, reason=reason(Code.SITE_ENDED))
+        self._reporter.note(ended, self._driven)
+        self._reporter.publish(ended, self._driven, self._inbox.refusals.counts)
 
     def _is_due(self, snapshot: Snapshot) -> bool:
         return self._pace.is_due(snapshot.now_ns, (snapshot.state, snapshot.reason.code), snapshot.network_ms)

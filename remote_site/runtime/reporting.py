@@ -60,7 +60,7 @@ class Reporter:
 
     def note(self, snapshot: Snapshot, driven: DrivenPipeline) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
-        self._log.note(snapshot.state, snapshot.reason)
+        self._log.note(snapshot.state, snapshot.reason, snapshot.now_ns)
         if snapshot.obeys is not None:
             self._tracing.obey(snapshot.obeys, driven.seq, snapshot.now_ns, driven.sent)
         self._tracing.see(driven.report)

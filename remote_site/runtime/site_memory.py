@@ -1,4 +1,4 @@
-"""What all processes of the remote site share: the lease in force, and whether all have started."""
+"""What all processes of the remote site share: the lease in force, whether all have started, whether all are to end."""
 
 import mmap
 
@@ -12,9 +12,11 @@ from remote_site.video.process import LeaseInForce
 LEASE = np.dtype([("number", np.uint64), ("holder", "S32")])
 VIDEO_LINK = np.dtype([("carries_mbit_s", np.float64), ("needs_mbit_s", np.float64), ("reason", "S400")])
 
+READY, ENDING = range(2)
+
 
 class SiteMemory:
-    """A lease, the video's link and a flag in memory that a fork inherits, each with one writer.
+    """A lease, the video's link and two flags in memory that a fork inherits, each with one writer.
 
     Create it before the fork.
     """
@@ -22,7 +24,7 @@ class SiteMemory:
     def __init__(self) -> None:
         self._lease = SharedRecord(LEASE)
         self._video_link = SharedRecord(VIDEO_LINK)
-        self._ready = memoryview(mmap.mmap(-1, mmap.PAGESIZE))[:8].cast("Q")
+        self._flags = memoryview(mmap.mmap(-1, mmap.PAGESIZE))[:16].cast("Q")
 
     def show_lease(self, lease: Lease | None) -> None:
         """Publish the lease in force, None without one; only control may."""
@@ -51,9 +53,18 @@ class SiteMemory:
 
     def set_ready(self) -> None:
         """Every process has started; only the parent of all may call it."""
-        self._ready[0] = 1
+        self._flags[READY] = 1
 
     @property
     def ready(self) -> bool:
         """Whether every process has started."""
-        return self._ready[0] == 1
+        return self._flags[READY] == 1
+
+    def set_ending(self) -> None:
+        """The site was asked to end; only the parent of all may call it, before it ends them."""
+        self._flags[ENDING] = 1
+
+    @property
+    def ending(self) -> bool:
+        """Whether the site was asked to end."""
+        return self._flags[ENDING] == 1

@@ -3,6 +3,7 @@
 import structlog
 
 from common.messages.robot import SessionState
+from common.process.state_lines import StateLines, counted
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.reasons import Code, Reason
 
@@ -10,18 +11,20 @@ ASKED_FOR = (Code.STOPPED, Code.RESET)  # by somebody, so it is logged even wher
 
 
 class TransitionLog:
-    """Logs every change of the session's state, every stop and every reset."""
+    """Logs every change of the session's state, of engaged and holding one a second, every stop and every reset."""
 
     def __init__(self) -> None:
-        self._state: SessionState | None = None
+        self._lines = StateLines()
         self._code: Code | None = None
 
-    def note(self, state: SessionState, reason: Reason) -> None:
+    def note(self, state: SessionState, reason: Reason, now_ns: int) -> None:
         """Note the state of a tick."""
-        is_new = state is not self._state or (reason.code is not self._code and reason.code in ASKED_FOR)
-        self._state, self._code = state, reason.code
-        if is_new:
-            structlog.get_logger().info("session", state=state.value, code=reason.code.value, reason=reason.sentence)
+        changes = self._lines.note(state, now_ns)
+        asked = reason.code is not self._code and reason.code in ASKED_FOR
+        self._code = reason.code
+        if changes or asked:
+            fields = {"state": state.value, "code": reason.code.value, "reason": reason.sentence}
+            structlog.get_logger().info("session", **fields, **counted(changes))
 
 
 class FaultLog:

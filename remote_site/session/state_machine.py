@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from common.clock import NS_PER_MS
 from common.messages.hand import Intent
-from common.messages.robot import SessionState
+from common.messages.robot import FOLLOWING, SessionState
 from remote_site.drivers.faults import RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, Reason, reason
@@ -20,7 +20,6 @@ from remote_site.session.lease import Holder, Lease
 from remote_site.session.operator_page import OperatorPage
 from remote_site.session.samples import Accepted, Rejected
 
-FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 FOLLOWS = reason(Code.OK)
 
 

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 import urllib.request
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from tests.integration.sites import alive, child_of, descendants
 
 FIGURES = {"farhand_control_missed_ticks_total", "farhand_session_state", "farhand_video_frames_total"}
 END_S = 30.0  # two where a machine has nothing else to do
+GONE_S = 3.0  # two where a machine has nothing else to do; it was four to five
 
 
 def test_figures_are_served_and_the_site_goes_on_when_they_die(pair: Pair) -> None:
@@ -33,12 +35,32 @@ def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_
     sites.wait("both to end", lambda: all(site.exit_code is not None for site in processes), END_S)
     assert [site.exit_code for site in processes] == [0, 0]
     sites.wait("no process to be left", lambda: not any(alive(p) for p in started), END_S)
+    assert all(list(site.lines)[-1].endswith('event=ended reason="it was asked to end"') for site in processes)
+    assert not [line for site in processes for line in site.lines if "fault" in line]
     for site in processes:
         told = sites.systemd[site.pid].words
         sites.wait("the last word", lambda told=told: told[-1] == "STOPPING=1", END_S)
         assert told[0] == "READY=1"
         assert len(told) > 5
         assert set(told[1:-1]) == {"WATCHDOG=1"}
+
+
+@pytest.mark.long
+def test_the_local_site_ends_soon_although_the_remote_one_is_gone(pair: Pair) -> None:
+    remote, local = pair.following()
+    gone = [remote.pid, *descendants(remote.pid)]
+    for pid in gone:
+        os.kill(pid, signal.SIGSTOP)  # as a host without power: nothing says that it is gone
+    try:
+        began = time.monotonic()
+        os.kill(local.pid, signal.SIGTERM)
+        pair.sites.wait("its end", lambda: local.exit_code is not None, END_S)
+        assert time.monotonic() - began < GONE_S
+    finally:
+        for pid in gone:
+            os.kill(pid, signal.SIGKILL)
+    assert local.exit_code == 0
+    pair.sites.wait("the remote site's end", lambda: remote.exit_code is not None, END_S)
 
 
 @pytest.mark.long

@@ -53,6 +53,7 @@ export class StatePanel {
 
   #showRobot(robot) {
     if (robot === null) this.#set("silent", ...this.#said.none);
+    else if (robot.silent && robot.code === "site_ended") this.#set("silent", "ended", robot.reason);
     else if (robot.silent) this.#set("silent", "silent", this.#said.silent(ageWords(robot.heard_ms)));
     else if (robot.readiness.code === "stopped") this.#set("stopped", "stopped", robot.reason);
     else {

@@ -12,7 +12,7 @@ from common.link.channels import ENGAGEMENT, STOP, Procedure
 from common.link.engagement_client import ask_engagement
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import ATTEMPT_NS, PATIENCE_NS, SETTLE_NS, RequestClient, RequestSchedule
-from common.link.transport import Link
+from common.link.transport import REQUEST_TIMEOUT_S, Link
 from common.messages.requests import ACTIVATED, EngagementAction, EngagementRequest, Reply, StopRequest
 from remote_site.reasons import Code
 
@@ -34,9 +34,11 @@ class FakeLink:
         self.asked: list[tuple[int, EngagementRequest]] = []
 
     def ask(
-        self, procedure: Procedure[Any, Any], cell: str, question: EngagementRequest, *, operator: str
+        self, procedure: Procedure[Any, Any], cell: str, question: EngagementRequest, *, operator: str, timeout_s: float
     ) -> Reply | None:
         assert (procedure, cell, operator) == (ENGAGEMENT, "lab", "anna")
+        left_s = (question.deadline_ns % OFFSET_NS - self._clock.time_ns) / NS_PER_S
+        assert timeout_s == min(REQUEST_TIMEOUT_S, left_s), "it does not wait beyond the deadline"
         self.asked.append((self._clock.time_ns, question))
         return self._answering(question, len(self.asked))
 
@@ -103,9 +105,13 @@ def test_a_stop_waits_for_no_clock_and_goes_to_a_queue_of_its_own() -> None:
     asked: list[tuple[object, object]] = []
 
     class Answering:
-        def ask(self, procedure: Procedure[Any, Any], _cell: str, question: object, *, operator: str) -> Reply | None:
+        def ask(
+            self, procedure: Procedure[Any, Any], _cell: str, question: object, *, operator: str, timeout_s: float
+        ) -> Reply | None:
             asked.append((procedure, question))
-            return reply("stopped") if operator == "anna" and len(asked) == 3 else None
+            return (
+                reply("stopped") if (operator, timeout_s) == ("anna", REQUEST_TIMEOUT_S) and len(asked) == 3 else None
+            )
 
     clock, unknown = FakeClock(), FakeRemoteClock(succeeds_at=99)
     client = RequestClient(cast(Link, Answering()), "lab", cast(RemoteClock, unknown), operator="anna", clock=clock)

@@ -64,6 +64,35 @@ def test_children_start_and_end_in_order() -> None:
     assert child.process.exitcode == 0
 
 
+def lasting(path: Path) -> ChildMain:
+    """Beats until it is asked to end, and leaves when that was."""
+
+    def main(should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+        while not should_stop.wait(0.01):
+            heartbeat.beat()
+        path.write_text(str(time.monotonic_ns()))
+        time.sleep(0.1)
+
+    return main
+
+
+def test_who_started_last_is_told_to_end_first_and_a_stubborn_one_does_not_keep_it_from_the_others(
+    tmp_path: Path,
+) -> None:
+    """What control does last needs the driver, and the driver the simulated cell."""
+    children, names = Children("test"), ("cell", "driver", "control")
+    for name in names:
+        children.start(name, lasting(tmp_path / name))
+    children.start("stubborn", stubborn)
+    children.wait_ready(10.0, StopFlag())
+    began = time.monotonic()
+    children.end()
+    assert time.monotonic() - began < 4.0
+    told = [int((tmp_path / name).read_text()) for name in reversed(names)]
+    assert told == sorted(told)
+    assert told[1] - told[0] >= 90_000_000
+
+
 def test_a_dead_child_is_an_error_with_its_name() -> None:
     children = Children("test")
     child = children.start("worker", dying)

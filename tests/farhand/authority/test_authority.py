@@ -3,6 +3,7 @@
 import threading
 import time
 from contextlib import ExitStack, contextmanager
+from types import SimpleNamespace
 
 import msgpack
 import msgspec
@@ -15,14 +16,14 @@ from common.errors import RefusedError, TransportError
 from common.link import transport
 from common.link.channels import CLOCK, DESCRIBE, TROUBLE
 from common.link.remote_clock import RemoteClock
-from common.link.transport import open_link
+from common.link.transport import CLOSE_PATIENCE_S, open_link
 from common.messages.base import PROTOCOL_VERSION
 from common.messages.codec import decode, encode
 from common.messages.requests import ClockQuestion, DescribeQuestion, Description, OperatorAction, TroubleReport
 from common.messages.robot import Asker
 from farhand.authority.lease import act_on_lease, describe_lease, take_lease
 from farhand.loopback.site_process import free_ports
-from local_site.authority.lease_client import Authority
+from local_site.authority.lease_client import END_PATIENCE_S, Authority
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -66,7 +67,7 @@ class Cell:
         self.clock = AheadClock()
         self.leases = LeaseServer(2 * NS_PER_S, 1000)
         self.refused = []
-        self._stop = threading.Event()
+        self._stop, self.hang = threading.Event(), threading.Event()
         self.link = stack.enter_context(open_link(listen=(self.endpoint,)))
         self._desk = RequestServer(
             self.link, description, self.leases, self.clock, self.refused.append, ("anna", "ben")
@@ -78,7 +79,8 @@ class Cell:
 
     def _run(self):
         while not self._stop.wait(0.004):
-            self._desk.poll(engaged=False)
+            if not self.hang.is_set():
+                self._desk.poll(engaged=False)
 
     @property
     def holder(self):
@@ -128,6 +130,32 @@ def test_the_lease_is_acquired_renewed_beyond_its_duration_and_given_back_at_the
         assert lease_of(authority) == 1000
         assert cell.holder == "anna"
     assert cell.holder is None
+
+
+def test_a_site_ends_soon_although_the_remote_site_does_not_answer_any_more(stack, cell):
+    link = stack.enter_context(open_link(connect=(cell.endpoint,)))
+    with capture_logs():
+        authority = Authority(link, CELL, "anna", 7, automatic=True)
+        with authority:
+            until(lambda: lease_of(authority), "the lease")
+            cell.hang.set()
+            time.sleep(0.3)
+            began = time.monotonic()
+        assert time.monotonic() - began < END_PATIENCE_S + 0.2
+        link.close()
+        assert time.monotonic() - began < END_PATIENCE_S + CLOSE_PATIENCE_S + 0.3
+        authority._thread.join(PATIENCE_S)
+        assert not authority._thread.is_alive()
+
+
+def test_a_link_is_closed_in_time_whatever_its_neighbours_do(stack, monkeypatch):
+    link = stack.enter_context(open_link(listen=(endpoint(),)))
+    slow = threading.Event()
+    stack.callback(slow.set)
+    monkeypatch.setattr(link, "_session", SimpleNamespace(is_closed=slow.is_set, close=lambda: slow.wait(PATIENCE_S)))
+    began = time.monotonic()
+    link.close()
+    assert CLOSE_PATIENCE_S <= time.monotonic() - began < CLOSE_PATIENCE_S + 0.3
 
 
 def test_a_second_operator_is_refused_with_the_holders_name_until_the_holder_consents(stack, cell):

@@ -2,10 +2,12 @@
 
 from types import SimpleNamespace
 
+import pytest
 from structlog.testing import capture_logs
 
 import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_MS
+from common.messages.robot import SessionState
 from local_site.authority.remote_watch import ChannelHealth, RemoteWatch
 
 LEASE = SimpleNamespace(session=7, asked_by=None)
@@ -13,7 +15,7 @@ LEASE = SimpleNamespace(session=7, asked_by=None)
 
 def state(engagement=None, word="engaged", code="following", ready="ok", age_limit_ms=100.0, **links):
     return SimpleNamespace(
-        state=SimpleNamespace(value=word),
+        state=SessionState(word),
         code=code,
         reason="",
         lease=LEASE,
@@ -25,6 +27,10 @@ def state(engagement=None, word="engaged", code="following", ready="ok", age_lim
         video_link=links.get("video_link"),
         readiness=SimpleNamespace(code=ready, reason="the link takes 310 ms"),
     )
+
+
+def state_in(word):
+    return state(word=word, code="stale" if word == "holding" else "ok")
 
 
 class States:
@@ -57,6 +63,28 @@ def test_reasons_that_come_and_go_are_logged_once_a_second_and_states_at_once():
         assert [line["event"] for line in logs].count("remote") == 2
         watch.poll((len(flickering) + 1) * 33 * NS_PER_MS)
     assert logs[-1]["state"] == "holding"
+
+
+def test_an_arm_that_holds_and_follows_all_the_time_takes_a_line_a_second_with_the_count():
+    words = [("engaged", "holding")[k // 3 % 2] for k in range(91)]
+    watch = RemoteWatch(States(*map(state_in, words)), LEASE.session, lambda _: None)
+    with capture_logs() as logs:
+        for k in range(len(words)):
+            watch.poll(k * 33 * NS_PER_MS)
+    remote = [line.get("changes", 1) for line in logs if line["event"] == "remote"]
+    assert remote == [1, 10, 10]
+
+
+@pytest.mark.parametrize(
+    ("code", "event", "level"),
+    [("site_ended", "the remote site has ended", "info"), ("ok", "the remote site is silent", "warning")],
+)
+def test_the_silence_of_a_site_that_was_asked_to_end_is_no_failure(code, event, level):
+    watch = RemoteWatch(States(state(code=code)), LEASE.session, lambda _: None)
+    with capture_logs() as logs:
+        watch.poll(0)
+        watch.poll(501 * NS_PER_MS)
+    assert (logs[-1]["event"], logs[-1]["log_level"]) == (event, level)
 
 
 def test_what_the_remote_site_finds_wrong_with_the_links_is_logged_here_too():

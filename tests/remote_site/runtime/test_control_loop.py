@@ -7,10 +7,11 @@ import pytest
 
 from common.errors import DriverError
 from common.messages.requests import EngagementAction
-from common.messages.robot import SessionState
+from common.messages.robot import SITE_ENDED, SessionState
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.link import RobotReport
 from remote_site.kinematics.joints import JointMotion
+from remote_site.reasons import Code
 from remote_site.runtime import control
 from remote_site.runtime.control import ControlLoop
 from remote_site.runtime.driven_pipeline import DrivenPipeline
@@ -104,6 +105,35 @@ def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_acti
     assert [answer.reason.code.value for answer in inbox.answers] == ["activated"]
     assert len(robot.written) == 2
     assert all((command.q == robot.q).all() for command in robot.written)
+
+
+class Told(NoReport):
+    """A reporter that keeps the states and reasons that it is to publish."""
+
+    def __init__(self):
+        self.published = []
+
+    def publish(self, snapshot, *_others):
+        self.published.append((snapshot.state, snapshot.reason.code))
+        return 0
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_the_last_state_says_that_the_site_was_asked_to_end_if_it_was(asked):
+    loop, reporter, site = RemoteLoop(), Told(), SiteMemory()
+    start = loop.config.robot.start
+    driven = DrivenPipeline(loop.pipeline, QuickRobot(start, start))
+    ticking = ControlLoop(driven, loop.leases, Requests("nobody", []), reporter, NoReport(), None, site)
+    ticking.end()
+    ticking.tick(loop.clock.now_ns())
+    if asked:
+        site.set_ending()
+    ticking.end()
+    assert reporter.published == ([(SessionState.DISENGAGED, Code.SITE_ENDED)] if asked else [])
+
+
+def test_the_local_site_knows_the_code_of_a_remote_site_that_ends():
+    assert Code.SITE_ENDED.value == SITE_ENDED
 
 
 class AskedRobot:

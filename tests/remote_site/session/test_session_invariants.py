@@ -5,11 +5,11 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from common.clock import NS_PER_MS
-from common.messages.robot import SessionState
+from common.messages.robot import FOLLOWING, SessionState
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.age_limit import AgeLimit
 from remote_site.session.config import EngagementConfig, EngagementMode
-from remote_site.session.state_machine import FOLLOWING, Action, Session
+from remote_site.session.state_machine import Action, Session
 from tests.remote_site.session.session_rig import (
     DEAD,
     JUMPS,
