@@ -14,7 +14,7 @@ from mcap.records import DataEnd, Footer, McapRecord, Statistics, SummaryOffset
 from common.clock import NS_PER_S
 from common.errors import RecordingError
 from common.recording.mcap_file import OWNER_ONLY, is_being_written
-from common.recording.scan import MAGIC, FileIndex, NotMcapError, scan
+from common.recording.scan import MAGIC, FileIndex, NotMcapError, ShowBytes, scan
 
 
 class Repaired(NamedTuple):
@@ -26,14 +26,15 @@ class Repaired(NamedTuple):
     cut_bytes: int
 
 
-def repair(path: Path, rest: Path | None = None) -> Repaired:
+def repair(path: Path, rest: Path | None = None, show: ShowBytes = lambda _done, _size: None) -> Repaired:
     """Repair a file in place; one that is whole stays as it is. What has to be cut goes to a new file `rest`, if given.
 
-    RecordingError where nothing of it is whole, or there is a file of the name of the rest.
+    `show` is called while the file is read. RecordingError where nothing of it is whole, or there is a file of the
+    name of the rest.
     """
     try:
         with path.open("r+b") as file:
-            return _repaired(path, file, rest)
+            return _repaired(path, file, rest, show)
     except FileExistsError as error:
         raise RecordingError(f"{path} cannot be repaired: {rest} is there already; move it away") from error
     except NotMcapError as error:
@@ -42,10 +43,10 @@ def repair(path: Path, rest: Path | None = None) -> Repaired:
         raise RecordingError(f"{path} cannot be repaired: {error.strerror}; free some space, or its rights") from error
 
 
-def _repaired(path: Path, file: IO[bytes], rest: Path | None) -> Repaired:
+def _repaired(path: Path, file: IO[bytes], rest: Path | None, show: ShowBytes) -> Repaired:
     if is_being_written(file):
         raise RecordingError(f"{path} is being written: end the recording first")
-    index = scan(file)
+    index = scan(file, show)
     messages = index.messages.total()
     first_ns = min((chunk.message_start_time for chunk in index.chunks), default=0)
     last_ns = max((chunk.message_end_time for chunk in index.chunks), default=0)

@@ -2,6 +2,7 @@
 
 import struct
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from io import BytesIO
 from typing import IO, NamedTuple
@@ -62,7 +63,10 @@ class NotMcapError(ValueError):
     """The file does not begin as an MCAP file."""
 
 
-def scan(file: IO[bytes]) -> FileIndex:
+ShowBytes = Callable[[int, int], None]  # how many bytes are read, of how many
+
+
+def scan(file: IO[bytes], show: ShowBytes = lambda _done, _size: None) -> FileIndex:
     """Everything up to the first record that is cut or broken; NotMcapError for another kind of file."""
     size = file.seek(0, 2)
     file.seek(0)
@@ -79,6 +83,7 @@ def scan(file: IO[bytes]) -> FileIndex:
         except BROKEN:
             break
         index.end = head.end
+        show(head.end, size)
     return index
 
 

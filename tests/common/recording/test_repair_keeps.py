@@ -68,3 +68,11 @@ def test_one_that_cannot_be_repaired_does_not_keep_the_others_from_it(file, tmp_
     assert result.exit_code == 1
     assert "run.mcap is repaired" in result.output
     assert (tmp_path / "run.mcap.rest").exists()
+
+
+def test_a_repair_tells_how_far_it_has_read(file, tmp_path):
+    size, told = len(cut(file, 0.9)), []
+    done = repair(file, tmp_path / "rest", lambda read, of: told.append((read, of)))
+    assert told == sorted(told)
+    assert told[-1] == (size - done.cut_bytes, size)
+    assert len(told) > 4
