@@ -12,11 +12,12 @@ import pytest
 import zenoh
 
 from common.config import load_config
-from common.errors import RefusedError, TransportError
-from common.link.channels import HAND, STATE
+from common.errors import ConfigError, RefusedError, TransportError
+from common.link.channels import CLOCK, HAND, STATE
+from common.link.config import ViewersConfig
 from common.link.endpoints import SECURED
 from common.link.transport import Link, open_link, open_router
-from common.messages.requests import EngagementAction
+from common.messages.requests import ClockQuestion, EngagementAction
 from farhand.certificates.folder import CertificateOrder, add_router, create
 from farhand.router import RouterConfig, zenohd_configuration
 from tests.common.link.secured_cell import (
@@ -33,6 +34,7 @@ from tests.common.link.secured_cell import (
     secured,
     until,
 )
+from tests.common.link.watched_cell import watched
 
 PROJECT = Path(__file__).parents[2]
 
@@ -121,9 +123,10 @@ def test_who_is_asked_to_end_waits_for_no_router(pki: Path) -> None:
 
 
 def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -> None:
-    with meeting.connect("viewer") as viewer:
-        until(viewer.latest(STATE, CELL).take)
-    with dishonest(meeting.endpoint, meeting.pki, "viewer") as session:
+    with (
+        watched(meeting.pki, (meeting.endpoint,), "router") as endpoint,
+        dishonest(endpoint, meeting.pki, "viewer") as session,
+    ):
         assert not commands_arrive(session, meeting.cell)
     with dishonest(meeting.endpoint, meeting.pki, "operator.anna", cell="other") as session:
         assert not commands_arrive(session, meeting.cell)
@@ -134,22 +137,40 @@ def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -
 def test_a_router_of_another_cell_is_nobodys_meeting_point(pki: Path) -> None:
     endpoint = f"tls/127.0.0.1:{free_port()}"
     with open_router(listen=(endpoint,), security=secured(pki, "router", "other"), operators=OPERATORS):
-        for who in ("remote", "operator.anna", "viewer"):
+        for who in ("remote", "operator.anna", "maintenance"):
             with pytest.raises(
                 RefusedError, match=r"is not the remote site of cell lab: .* certificate of router\.other"
             ):
                 open_link(connect=(endpoint,), security=secured(pki, who), through_router=who == "remote")
 
 
-def test_a_router_lets_no_viewer_hear_a_hand(meeting: Meeting) -> None:
-    with meeting.connect("operator.anna") as operator, dishonest(meeting.endpoint, meeting.pki, "viewer") as viewer:
+def test_viewers_watch_at_the_router_and_hear_no_hand(meeting: Meeting) -> None:
+    with ExitStack() as stack:
+        operator = stack.enter_context(meeting.connect("operator.anna"))
+        endpoint = stack.enter_context(watched(meeting.pki, (meeting.endpoint,), "router"))
+        security = secured(meeting.pki, "viewer")
+        viewer = stack.enter_context(open_link(connect=(endpoint,), security=security))
+        until(viewer.latest(STATE, CELL).take)
+        until(lambda: viewer.ask(CLOCK, CELL, ClockQuestion()))
+        curious = stack.enter_context(dishonest(endpoint, meeting.pki, "viewer"))
         heard: set[str] = set()
         for key in ("**", HAND.key_for(CELL, operator=ANNA)):
-            viewer.declare_subscriber(key, lambda sample: heard.add(str(sample.key_expr)))
+            curious.declare_subscriber(key, lambda sample: heard.add(str(sample.key_expr)))
         hand, before = operator.publisher(HAND, CELL, operator=ANNA), meeting.cell.hands
         until(lambda: hand.put(HAND_SAMPLE) or meeting.cell.hands > before + 10)
         time.sleep(QUIET_S)
-        assert HAND.key_for(CELL, operator=ANNA) not in heard
+        assert heard <= {STATE.key_for(CELL)}
+
+
+def test_whoever_else_has_the_routers_certificate_may_do_no_more_than_a_viewer(meeting: Meeting) -> None:
+    with dishonest(meeting.endpoint, meeting.pki, "router") as session:
+        assert not commands_arrive(session, meeting.cell)
+
+
+def test_zenohd_serves_no_viewers(pki: Path) -> None:
+    viewers = ViewersConfig(listen="tls/127.0.0.1:7449", tls=secured(pki, "viewers-router").tls)
+    with pytest.raises(ConfigError, match=r"zenohd serves none; run 'farhand router'"):
+        zenohd_configuration(RouterConfig(cell=CELL, viewers=viewers))
 
 
 def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
@@ -165,7 +186,6 @@ def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
     assert {subject["cert_common_names"][0] for subject in control["subjects"]} == {
         "remote.cell",
         "operator.cell.anna",
-        "viewer.cell",
         "maintenance.cell",
         "router.cell",
     }
