@@ -1,6 +1,8 @@
 """The meeting point: sites that only connect reach each other, by their roles, and again after it was restarted."""
 
 import json
+import os
+import signal
 import threading
 import time
 from collections.abc import Iterator
@@ -10,6 +12,7 @@ from pathlib import Path
 
 import pytest
 import zenoh
+from msgspec.structs import asdict
 
 from common.config import load_config
 from common.errors import ConfigError, RefusedError, TransportError
@@ -19,6 +22,7 @@ from common.link.endpoints import SECURED
 from common.link.transport import Link, open_link, open_router
 from common.messages.requests import ClockQuestion, EngagementAction
 from farhand.certificates.folder import CertificateOrder, add_router, create
+from farhand.loopback.site_process import start_site
 from farhand.router import RouterConfig, zenohd_configuration
 from tests.common.link.secured_cell import (
     ANNA,
@@ -26,6 +30,7 @@ from tests.common.link.secured_cell import (
     HAND_SAMPLE,
     OPERATORS,
     QUIET_S,
+    ROBOT_STATE,
     Cell,
     commands_arrive,
     dishonest,
@@ -35,6 +40,7 @@ from tests.common.link.secured_cell import (
     until,
 )
 from tests.common.link.watched_cell import watched
+from tests.integration.sites import child_of
 
 PROJECT = Path(__file__).parents[2]
 
@@ -165,6 +171,31 @@ def test_viewers_watch_at_the_router_and_hear_no_hand(meeting: Meeting) -> None:
 def test_whoever_else_has_the_routers_certificate_may_do_no_more_than_a_viewer(meeting: Meeting) -> None:
     with dishonest(meeting.endpoint, meeting.pki, "router") as session:
         assert not commands_arrive(session, meeting.cell)
+
+
+def test_the_routers_process_lets_viewers_watch_and_goes_on_without_the_one_that_serves_them(
+    pki: Path, tmp_path: Path
+) -> None:
+    endpoint, seen_at = (f"tls/127.0.0.1:{free_port()}" for _ in range(2))
+    settings = {"cell": CELL, "listen": json.dumps([endpoint]), "operators": json.dumps(OPERATORS)}
+    settings |= {f"tls.{key}": path for key, path in asdict(secured(pki, "router").tls).items()}
+    settings |= {f"viewers.tls.{key}": path for key, path in asdict(secured(pki, "viewers-router").tls).items()}
+    arguments = [f"--set={key}={value}" for key, value in (settings | {"viewers.listen": seen_at}).items()]
+    router = start_site("router", arguments, tmp_path)
+    with ExitStack() as stack:
+        stack.callback(router.end)
+        site = open_link(connect=(endpoint,), security=secured(pki, "remote"), through_router=True)
+        states = stack.enter_context(site).publisher(STATE, CELL)
+        viewer = stack.enter_context(open_link(connect=(seen_at,), security=secured(pki, "viewer")))
+        operator = stack.enter_context(open_link(connect=(endpoint,), security=secured(pki, "operator.anna")))
+        seen, heard = viewer.latest(STATE, CELL), operator.latest(STATE, CELL)
+        until(lambda: states.put(ROBOT_STATE) or seen.take())
+        os.kill(child_of(router, "farhand-viewers"), signal.SIGKILL)
+        until(lambda: any("process=viewers" in line for line in router.events))
+        while heard.take() is not None:
+            pass
+        until(lambda: states.put(ROBOT_STATE) or heard.take())
+        assert router.exit_code is None
 
 
 def test_zenohd_serves_no_viewers(pki: Path) -> None:
