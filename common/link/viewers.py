@@ -26,6 +26,7 @@ SEEN = tuple(channel for channel in CHANNELS if Role.VIEWER in channel.received_
 SENT = tuple(channel for channel in CHANNELS if Role.VIEWER in channel.sent_by)
 ASKED = tuple(procedure for procedure in PROCEDURES if Role.VIEWER in procedure.asked_by)
 SENT_HZ = 10.0
+CAMERAS = 4  # more lose pictures sooner, when this process has to wait
 QUESTIONS_APART_S = 0.02  # control answers one in each tick of 4 ms
 
 T = TypeVar("T")
@@ -66,7 +67,8 @@ class _Shown:
         self._key, self._inside = channel.key_for(cell), inside
         self._outside = outside.declare_publisher(self._key)
         self._subscriber: zenoh.Subscriber[None] | None = None
-        self._waiting = Waiting[zenoh.Sample](channel.depth)
+        depth = channel.depth * (CAMERAS if channel.key_for(cell, "one") != self._key else 1)
+        self._waiting = Waiting[zenoh.Sample](depth)
         _start(f"show {self._key}", lambda: _put(outside, channel, self._waiting.take()))
 
     def follow(self) -> None:
@@ -80,20 +82,22 @@ class _Shown:
 
 
 class Passage:
-    """Two sessions, the site's neighbour `inside` and what viewers connect to `outside`; a context manager."""
+    """The site's neighbour and what viewers connect to; a context manager that closes both, which are `links` too."""
 
-    def __init__(self, inside: Link, outside: Link, within: zenoh.Session, without: zenoh.Session, cell: str) -> None:
-        self._links = inside, outside
-        self._shown = [_Shown(channel, within, without, cell) for channel in SEEN]
+    def __init__(
+        self, site_session: zenoh.Session, viewers_session: zenoh.Session, links: Sequence[Link], cell: str
+    ) -> None:
+        self._links = links
+        self._shown = [_Shown(channel, site_session, viewers_session, cell) for channel in SEEN]
         self._declared: list[Any] = []
         for channel in SENT:
             sent = Waiting[zenoh.Sample](channel.depth)
-            self._declared.append(without.declare_subscriber(channel.key_for(cell), sent.add))
-            _start(f"send {channel.key_for(cell)}", _pace(within, channel, sent))
+            self._declared.append(viewers_session.declare_subscriber(channel.key_for(cell), sent.add))
+            _start(f"send {channel.key_for(cell)}", _pace(site_session, channel, sent))
         for procedure in ASKED:
             asked = Waiting[zenoh.Query](PENDING_REQUESTS)
-            self._declared.append(without.declare_queryable(procedure.key_for(cell), asked.add))
-            _start(f"ask {procedure.key_for(cell)}", _ask(within, procedure.key_for(cell), asked))
+            self._declared.append(viewers_session.declare_queryable(procedure.key_for(cell), asked.add))
+            _start(f"ask {procedure.key_for(cell)}", _ask(site_session, procedure.key_for(cell), asked))
 
     def __enter__(self) -> Self:
         return self
@@ -119,17 +123,17 @@ def open_passage(viewers: ViewersConfig, table: str, site: Site) -> Passage:
     listening = check_free(viewers.listen, viewers.security)
     reached = tuple(_by_tls(check_endpoint(from_this_host(each), site.security)) for each in site.endpoints)
     own = load_credentials(site.security.tls) if any(endpoint.is_secured for endpoint in reached) else None
-    within = open_session(SessionEndpoints(Mode.PEER, connect=reached), Served(own, serves=Serves.OWN_SITE))
-    inside = Link(within, reached, own)
+    site_session = open_session(SessionEndpoints(Mode.PEER, connect=reached), Served(own, serves=Serves.OWN_SITE))
+    inside = Link(site_session, reached, own)
     try:
         inside.check_connected()
         shown = load_credentials(viewers.tls, table)
         endpoints = SessionEndpoints(Mode.PEER, (listening,), send_buffer_bytes=PICTURES_SEND_BUFFER_BYTES)
-        without = open_session(endpoints, Served(shown, serves=Serves.VIEWERS))
+        viewers_session = open_session(endpoints, Served(shown, serves=Serves.VIEWERS))
     except Exception:
         inside.close()
         raise
-    return Passage(inside, Link(without), within, without, site.cell)
+    return Passage(site_session, viewers_session, (inside, Link(viewers_session)), site.cell)
 
 
 def _by_tls(endpoint: Endpoint) -> Endpoint:
