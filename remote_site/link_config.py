@@ -2,11 +2,13 @@
 
 from typing import Annotated
 
-from msgspec import Meta
+from msgspec import Meta, field
 
 from common.link.channels import ANY
-from common.link.config import OperatorLinks
+from common.link.config import OperatorLinks, ViewersConfig
 from common.link.endpoints import SECURED
+
+VIEWERS_TABLE = "links.viewers.tls"
 
 
 class RemoteLinksConfig(OperatorLinks, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -19,6 +21,15 @@ class RemoteLinksConfig(OperatorLinks, frozen=True, kw_only=True, forbid_unknown
     router: Annotated[
         str, Meta(description="a router's endpoint, for a site that cannot be reached: then nothing listens here")
     ] = ""
+    viewers: ViewersConfig = field(default_factory=ViewersConfig)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.router and self.viewers.listen:
+            raise ValueError(
+                "viewers: nothing listens here behind a router; viewers connect there: give the router's file this "
+                "table, as [viewers], and leave it out here"
+            )
 
     @property
     def control_endpoint(self) -> str:

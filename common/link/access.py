@@ -1,6 +1,7 @@
 """Zenoh's access control, payload and rate caps, built from the table of channels; pure."""
 
 from collections.abc import Iterator, Sequence
+from enum import StrEnum
 from typing import Any, NamedTuple
 
 from common.link.channels import ANY, CHANNELS, PROCEDURES, Keyed
@@ -16,6 +17,14 @@ ANSWERING = ("ingress", "query"), ("egress", "reply"), ("egress", "declare_query
 ASKING = ("egress", "query"), ("ingress", "reply"), ("ingress", "declare_queryable")
 
 
+class Serves(StrEnum):
+    """Whom a session has at the other ends of its links."""
+
+    SITES = "sites"  # who takes part: no viewer
+    VIEWERS = "viewers"  # viewers alone
+    OWN_SITE = "own_site"  # the site, or router, that it watches on viewers' behalf, with that one's certificate
+
+
 class Grant(NamedTuple):
     """What may pass between this session and a neighbour: a flow, the kind of message, the key."""
 
@@ -24,27 +33,39 @@ class Grant(NamedTuple):
     key: str
 
 
-def access_control(own: Identity, operators: Sequence[str], *, routed: bool, plain: bool) -> Json:
+class Encounter(NamedTuple):
+    """A neighbour, and the roles in which this session and that one meet."""
+
+    neighbour: Identity
+    own: Role
+    other: Role
+
+
+def access_control(
+    own: Identity, operators: Sequence[str], *, routed: bool, plain: bool, serves: Serves = Serves.SITES
+) -> Json:
     """Refuse everything except what the table grants each role, by the common name of its certificate.
 
     `operators` are those who may operate the cell, each on the keys of that name only; an operator's own session serves
     nobody else. A remote site that is `routed` has no other neighbour than its cell's router; any other has no router.
+    Viewers are neighbours of a session that `serves` them alone.
     With `plain` there are also links without certificates, on the loopback interface, whose neighbours may do what any
     role may.
     """
     operators = operators if own.operator is None else (own.operator,)
     rules, subjects, policies = [], [], []
-    for neighbour in _neighbours(own, operators, routed=routed):
+    for neighbour, acts, other in _encounters(own, operators, routed=routed, serves=serves):
         name = neighbour.common_name
         names = operators if neighbour.operator is None else (neighbour.operator,)
-        granted = _rules(name, set(grants(own.role, neighbour.role, own.cell, names)))
+        granted = _rules(name, set(grants(acts, other, own.cell, names)))
         if granted:
             rules += granted
             subjects.append({"id": name, "cert_common_names": [name], "link_protocols": list(SECURED)})
             policies.append({"rules": [rule["id"] for rule in granted], "subjects": [name]})
     if plain:
         names = (own.operator or ANY,)
-        everything = {g for role in Role for g in grants(own.role, role, own.cell, names)}
+        acts = Role.VIEWER if serves is Serves.OWN_SITE else own.role
+        everything = {g for role in Role for g in grants(acts, role, own.cell, names)}
         granted = _rules(THIS_HOST, everything)
         rules += granted
         subjects.append({"id": THIS_HOST, "link_protocols": ["tcp"]})
@@ -75,10 +96,25 @@ def grants(own: Role, neighbour: Role, cell: str, operators: Sequence[str]) -> I
             yield from _granted(ASKING, procedure, cell, operators)
 
 
+def _encounters(own: Identity, operators: Sequence[str], *, routed: bool, serves: Serves) -> Iterator[Encounter]:
+    """Who may be at the other end of a link, and in which role.
+
+    Another session with a router's certificate is the process that serves its viewers: it may do no more than they.
+    """
+    if serves is Serves.VIEWERS:
+        yield Encounter(Identity(Role.VIEWER, own.cell), own.role, Role.VIEWER)
+    elif serves is Serves.OWN_SITE:
+        yield Encounter(own, Role.VIEWER, own.role)
+    else:
+        for neighbour in _neighbours(own, operators, routed=routed):
+            both_route = own.role is Role.ROUTER and neighbour.role is Role.ROUTER
+            yield Encounter(neighbour, own.role, Role.VIEWER if both_route else neighbour.role)
+
+
 def _neighbours(own: Identity, operators: Sequence[str], *, routed: bool) -> Iterator[Identity]:
-    """Who may be at the other end of a link: only others know by its endpoint whether they have a router there."""
+    """Who takes part at the other end of a link: only others know by its endpoint whether they have a router there."""
     for role in Role:
-        if own.role is Role.REMOTE and routed != (role is Role.ROUTER):
+        if role is Role.VIEWER or (own.role is Role.REMOTE and routed != (role is Role.ROUTER)):
             continue
         if role is Role.OPERATOR:
             yield from (Identity(role, own.cell, operator) for operator in operators)

@@ -45,6 +45,27 @@ class LinkSecurity(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             raise ValueError(f'plain_text_beyond_loopback: leave it out, or write "{PLAIN_TEXT_WORDS}"')
 
 
+class ViewersConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where viewers connect: with certificates of an authority that no other endpoint of the site trusts."""
+
+    listen: Annotated[str, Meta(description="tls/ endpoint for those who only watch; empty: nobody is let watch")] = ""
+    tls: TlsConfig = field(default_factory=TlsConfig)
+
+    def __post_init__(self) -> None:
+        if self.listen and not self.listen.startswith("tls/"):
+            raise ValueError("listen: viewers connect by TLS alone; write it as tls/HOST:PORT")
+        if bool(self.listen) != self.tls.is_given:
+            raise ValueError(
+                "listen and tls belong together: give both, or neither; 'farhand certificates create CELL' makes "
+                "viewers-ca.pem and a pair for this listener"
+            )
+
+    @property
+    def security(self) -> LinkSecurity:
+        """How the links of viewers are protected."""
+        return LinkSecurity(tls=self.tls)
+
+
 class OperatorLinks(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Links to several operators, who are told apart by their certificates."""
 

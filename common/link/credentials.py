@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from common.errors import ConfigError, TransportError
-from common.link.config import LinkSecurity, TlsConfig
+from common.link.config import LinkSecurity, TlsConfig, ViewersConfig
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role, read_common_name
 
@@ -25,6 +25,7 @@ VERDICTS = {  # by OpenSSL's verification code, X509_V_ERR_*
     62: f"is for other hosts; renew it with this one {RENEW} --host NAME",
     64: f"is for other hosts; renew it with this one {RENEW} --host ADDRESS",
 }
+TABLE = "links.tls"
 HANDSHAKE_ROUNDS = 8  # more than any TLS handshake takes
 
 
@@ -36,23 +37,26 @@ class Credentials:
     identity: Identity
 
 
-def load_credentials(tls: TlsConfig) -> Credentials:
-    """The credentials, checked by a TLS handshake with themselves; TransportError names the invalid file and why."""
+def load_credentials(tls: TlsConfig, table: str = TABLE) -> Credentials:
+    """The credentials, checked by a TLS handshake with themselves; TransportError names the invalid file and why.
+
+    `table` is the configuration's that names the files.
+    """
     for what, path in (("ca", tls.ca), ("certificate", tls.certificate), ("key", tls.key)):
         try:
             Path(path).read_bytes()
         except OSError as error:
-            raise TransportError(f"links.tls.{what}: cannot read {path}: {error.strerror}") from error
+            raise TransportError(f"{table}.{what}: cannot read {path}: {error.strerror}") from error
     try:
         certificate = _shake_hands(client_context(tls), _server_context(tls))
     except ssl.SSLCertVerificationError as error:
-        raise TransportError(f"links.tls.certificate: {tls.certificate} {verdict(error)}") from error
+        raise TransportError(f"{table}.certificate: {tls.certificate} {verdict(error)}") from error
     except ssl.SSLError as error:
-        raise TransportError(f"links.tls: {_unusable(error, tls)}") from error
+        raise TransportError(f"{table}: {_unusable(error, tls)}") from error
     named = common_name(certificate)
     identity = read_common_name(named)
     if identity is None:
-        raise TransportError(f"links.tls.certificate: {tls.certificate} names {named!r}, which {_nobody(named)}")
+        raise TransportError(f"{table}.certificate: {tls.certificate} names {named!r}, which {_nobody(named)}")
     return Credentials(tls, identity)
 
 
@@ -72,19 +76,40 @@ def _nobody(named: str) -> str:
     return "is no role at a cell; make one with: farhand certificates create CELL"
 
 
-def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Identity) -> None:
+def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Identity, table: str = TABLE) -> None:
     """ConfigError when an endpoint is not allowed, or the certificate is invalid or not that of one of `bearers`."""
     try:
         for endpoint in endpoints:
             check_endpoint(endpoint, security)
-        bearer = load_credentials(security.tls).identity if security.tls.is_given else None
+        bearer = load_credentials(security.tls, table).identity if security.tls.is_given else None
     except TransportError as error:
         raise ConfigError(str(error)) from error
     if bearer is None or bearer in bearers:
         return
     names = " or ".join(identity.common_name for identity in bearers)
-    mismatch = f"links.tls.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
+    mismatch = f"{table}.certificate: {security.tls.certificate} is for {bearer.common_name}, not for {names}"
     raise ConfigError(mismatch + _cure(bearer, bearers))
+
+
+def check_viewers(viewers: ViewersConfig, site: TlsConfig, bearer: Identity, table: str) -> None:
+    """ConfigError when what viewers connect to is not allowed, or the site's other endpoints trust their authority.
+
+    `table` is the configuration's that names the viewers' certificates.
+    """
+    if not viewers.listen:
+        return
+    check_links((viewers.listen,), viewers.security, bearer, table=table)
+    if site.is_given and _authorities(viewers.tls) & _authorities(site):
+        raise ConfigError(
+            f"{table}.ca: {viewers.tls.ca} is the authority of the site's own endpoints too, so viewers could take "
+            "all sessions there and keep a stop out; viewers need one of their own: viewers-ca.pem, which 'farhand "
+            f"certificates renew {bearer.cell}' makes where there is none"
+        )
+
+
+def _authorities(tls: TlsConfig) -> set[bytes]:
+    """The authorities that are trusted, as DER."""
+    return set(client_context(tls).get_ca_certs(binary_form=True))
 
 
 def _cure(bearer: Identity, wanted: Sequence[Identity]) -> str:
@@ -100,8 +125,8 @@ def _cure(bearer: Identity, wanted: Sequence[Identity]) -> str:
 class CertificateValidity:
     """Whether the certificate that a site started with is still valid: an open link may outlive it."""
 
-    def __init__(self, tls: TlsConfig) -> None:
-        self._tls = tls
+    def __init__(self, tls: TlsConfig, table: str = TABLE) -> None:
+        self._tls, self._table = tls, table
         self._contexts = (client_context(tls), _server_context(tls)) if tls.is_given else None
 
     def check(self) -> None:
@@ -111,7 +136,7 @@ class CertificateValidity:
         try:
             _shake_hands(*self._contexts)
         except ssl.SSLCertVerificationError as error:
-            raise TransportError(f"links.tls.certificate: {self._tls.certificate} {verdict(error)}") from error
+            raise TransportError(f"{self._table}.certificate: {self._tls.certificate} {verdict(error)}") from error
 
 
 def client_context(tls: TlsConfig) -> ssl.SSLContext:

@@ -11,6 +11,9 @@ TIMEOUT_S = 0.9
 # Zenoh closes the connection on an empty message; within TLS that shows that it has accepted our certificate.
 EMPTY_MESSAGE = bytes(8)
 TLS_ALERT = b"\x15"  # the content type of a TLS record (RFC 8446, section 5.1)
+VIEWERS_CURE = (
+    "viewers connect to links.viewers there (of a router: viewers), with certificates of the viewers' authority"
+)
 LISTENERS = (Role.REMOTE, Role.OPERATOR, Role.ROUTER)
 ALERTS = {  # by the end of OpenSSL's reason
     "CERTIFICATE_REQUIRED": "asks for a certificate",
@@ -90,7 +93,8 @@ def _tls_refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
             secured.sendall(EMPTY_MESSAGE)
             secured.recv(1)
     except ssl.SSLCertVerificationError as error:
-        return f"{endpoint} is refused: the certificate shown there {verdict(error)}"
+        why = f"{endpoint} is refused: the certificate shown there {verdict(error)}"
+        return f"{why}; {VIEWERS_CURE}" if credentials.identity.role is Role.VIEWER else why
     except ssl.SSLError as error:
         return _alert_refusal(error.reason or "", endpoint, credentials)
     return None
@@ -101,4 +105,5 @@ def _alert_refusal(reason: str, endpoint: Endpoint, credentials: Credentials) ->
     if "ALERT" not in reason:
         return None
     why = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"reports {reason}")
-    return f"{endpoint} refuses the certificate {credentials.tls.certificate}: it {why}"
+    refused = f"{endpoint} refuses the certificate {credentials.tls.certificate}: it {why}"
+    return f"{refused}; {VIEWERS_CURE}" if credentials.identity.role is Role.VIEWER else refused

@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Any
 
 from common.errors import TransportError
-from common.link.access import access_control, payload_caps, rate_caps
+from common.link.access import Serves, access_control, payload_caps, rate_caps
 from common.link.channels import CHANNELS
 from common.link.config import TlsConfig
 from common.link.credentials import Credentials
@@ -19,6 +19,7 @@ FOR_EVER = -1  # in the background; a client would block
 CLIENT_TIMEOUT_MS = 500
 MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # of fragments, before a check
 MAX_NEIGHBOURS, MAX_AT_ROUTER = 64, 1024
+PICTURES_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 240 ms; what waits in more is old
 
 
 class Mode(StrEnum):
@@ -55,10 +56,11 @@ class SessionEndpoints:
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """Whose session it is (None without certificates), and the operators that tell its neighbours apart."""
+    """Whose session it is (None without certificates), whom it serves, and the operators among them."""
 
     credentials: Credentials | None
     operators: tuple[str, ...] = ()
+    serves: Serves = Serves.SITES
 
 
 def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, Any]:
@@ -90,7 +92,9 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
     if (credentials := served.credentials) is not None:
         plain = not all(endpoint.is_secured for endpoint in (*endpoints.listen, *endpoints.connect))
         routed = endpoints.mode is Mode.CLIENT
-        settings["access_control"] = access_control(credentials.identity, served.operators, routed=routed, plain=plain)
+        settings["access_control"] = access_control(
+            credentials.identity, served.operators, routed=routed, plain=plain, serves=served.serves
+        )
         settings |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
     return settings
 

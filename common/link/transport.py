@@ -15,7 +15,7 @@ from common.link.channels import ANY, Channel, ChannelSession, Keyed, Priority, 
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.credentials import Credentials, load_credentials
 from common.link.endpoints import Endpoint, check_endpoint, check_free
-from common.link.probe import identity_refusal, refusal, speaks_tls
+from common.link.probe import VIEWERS_CURE, identity_refusal, refusal, speaks_tls
 from common.link.pubsub import Latest, Publisher
 from common.link.quic_doubt import QuicDoubt, blocked_sentence
 from common.link.roles import Role
@@ -175,11 +175,13 @@ class Link:
                 raise RefusedError(why)
 
     def why_silent(self) -> str:
-        """What may keep an operator's certificate from being answered now where the link itself is up, else nothing.
+        """What may keep our certificate from being answered now where the link itself is up, else nothing.
 
-        It was perhaps answered before: a name is taken off the list while its site runs.
+        An operator was perhaps answered before: a name is taken off the list while its site runs.
         """
         own = self._credentials.identity if self._credentials is not None else None
+        if own is not None and own.role is Role.VIEWER and self._is_up():
+            return f"the link is up, but nothing answers {own.common_name}: if the remote site runs, {VIEWERS_CURE}"
         if own is None or own.operator is None or not self._is_up():
             return ""
         return (
@@ -273,7 +275,9 @@ def open_link(
     mode = Mode.CLIENT if through_router else Mode.PEER
     endpoints = SessionEndpoints(mode, listening, outgoing, send_buffer_bytes)
     served = Served(credentials, tuple(operators))
-    session = _open_through_router(endpoints, served, should_stop) if through_router else _open(endpoints, served)
+    session = (
+        _open_through_router(endpoints, served, should_stop) if through_router else open_session(endpoints, served)
+    )
     link = Link(session, outgoing, credentials, sessions, tap)
     try:
         link.check_connected()
@@ -287,7 +291,7 @@ def open_router(*, listen: tuple[str, ...], security: LinkSecurity, operators: S
     """Open a router between sites that cannot reach each other; it passes on what the roles of its cell may send."""
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
     served = Served(_credentials(listening, security), tuple(operators))
-    return Link(_open(SessionEndpoints(Mode.ROUTER, listening), served))
+    return Link(open_session(SessionEndpoints(Mode.ROUTER, listening), served))
 
 
 def _credentials(endpoints: Sequence[Endpoint], security: LinkSecurity) -> Credentials | None:
@@ -299,7 +303,7 @@ def _open_through_router(endpoints: SessionEndpoints, served: Served, should_sto
     deadline_s = time.monotonic() + ROUTER_PATIENCE_S
     while True:
         try:
-            return _open(endpoints, served)
+            return open_session(endpoints, served)
         except TransportError as error:
             why = next((why for endpoint in endpoints.connect if (why := refusal(endpoint, served.credentials))), None)
             if why is not None:
@@ -311,7 +315,8 @@ def _open_through_router(endpoints: SessionEndpoints, served: Served, should_sto
             time.sleep(ROUTER_POLL_S)
 
 
-def _open(endpoints: SessionEndpoints, served: Served) -> zenoh.Session:
+def open_session(endpoints: SessionEndpoints, served: Served) -> zenoh.Session:
+    """A session of Zenoh with our settings; TransportError when it cannot be opened."""
     config = zenoh.Config()
     for key, value in session_settings(endpoints, served).items():
         config.insert_json5(key, json.dumps(value))

@@ -1,6 +1,5 @@
-"""The folder of an authority: its own certificate and key, and a folder per cell with a pair of files per role."""
+"""The folder of the authorities: a folder per cell in it has a pair of files for each site, operator and listener."""
 
-import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,19 +7,22 @@ from datetime import datetime, timedelta
 from pathlib import Path
 
 from cryptography import x509
-from cryptography.hazmat.primitives import serialization
-from cryptography.hazmat.primitives.asymmetric import ec
 
-from common.atomic_file import write_atomically
 from common.errors import ConfigError
 from common.link.channels import check_cell_name
 from common.link.roles import CELL_NAME, MAX_COMMON_NAME, Identity, Role
-from farhand.certificates.issuing import Issued, issue, make_authority
+from farhand.certificates.authorities import (
+    SITES,
+    VIEWERS,
+    Authority,
+    ensure_authority,
+    load_authority,
+    read_certificate,
+    write_pair,
+)
+from farhand.certificates.issuing import Issued, issue
 
 LOOPBACK_HOSTS = ("127.0.0.1", "::1", "localhost")
-AUTHORITY = "ca"
-SITES = Role.REMOTE, Role.VIEWER, Role.MAINTENANCE
-PRIVATE, PUBLIC = 0o600, 0o644
 OPERATORS_FILE = re.compile(rf"{Role.OPERATOR.value}\.({CELL_NAME.pattern})\.pem")
 HOST = re.compile(r"[0-9a-zA-Z.:-]{1,253}")
 
@@ -48,34 +50,53 @@ class CertificateOrder:
                 raise ConfigError(f"--host {host!r}: give a host name or an address, without port")
 
 
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """A certificate and its key: the stem of both files, whom they name, and the authority that issues them."""
+
+    stem: str
+    identity: Identity
+    authority: Authority = SITES
+
+    def path(self, theirs: Path) -> Path:
+        """The certificate's file in a cell's folder."""
+        return theirs / f"{self.stem}.pem"
+
+
 def create(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
-    """Make what a cell needs, with the folder's authority, or a new one; ConfigError when the cell has certificates."""
+    """Make what a cell needs, with the folder's authorities or new ones; ConfigError when the cell has certificates."""
     theirs = folder / order.cell
     if theirs.exists():
         raise ConfigError(
             f"{theirs} exists already and is not changed; to make new certificates for the same sites: farhand "
             f"certificates renew {order.cell} --dir {folder}; to start again, delete {theirs} first"
         )
-    authority = load_authority(folder) if (folder / f"{AUTHORITY}.key").exists() else _new_authority(folder, now)
+    ensure_authority(folder, SITES, now)
+    ensure_authority(folder, VIEWERS, now)
     theirs.mkdir(mode=0o700, parents=True)
-    bearers = [*_sites(order.cell), *(_operator(order.cell, name) for name in order.operators)]
     hosts = tuple(dict.fromkeys((*LOOPBACK_HOSTS, *order.hosts)))
-    return sorted(_issue(theirs, authority, bearers, hosts, now, order.days))
+    pairs = [*_always(order.cell), *(_operator(order.cell, name) for name in order.operators)]
+    return sorted(_issue(folder, pair, hosts, order, now) for pair in pairs)
 
 
 def renew(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
-    """New keys and certificates of the same authority for the same bearers and hosts, and for those in the order."""
+    """New keys and certificates of the same authorities for the same bearers and hosts, and for those in the order.
+
+    Where a folder has no authority for viewers, it is made.
+    """
     known, theirs = _known_hosts(folder, order), folder / order.cell
+    load_authority(folder)
+    ensure_authority(folder, VIEWERS, now)
     operators = dict.fromkeys((*operators_of(theirs), *order.operators))
-    bearers = [*_sites(order.cell), *(_operator(order.cell, name) for name in operators)]
-    if _path(theirs, _router(order.cell)).exists():
-        bearers.append(_router(order.cell))
-    authority = load_authority(folder)
+    pairs = [*_always(order.cell), *(_operator(order.cell, name) for name in operators)]
+    router, viewers_router = _router(order.cell)
+    if router.path(theirs).exists():
+        pairs += [router, viewers_router]
     made = []
-    for bearer in bearers:
-        path = _path(theirs, bearer)
-        hosts = (*hosts_of(read_certificate(path)), *order.hosts) if path.exists() else known
-        made += _issue(theirs, authority, [bearer], tuple(dict.fromkeys(hosts)), now, order.days)
+    for pair in pairs:
+        there = next((path for path in (pair.path(theirs), _beside(pair, theirs)) if path.exists()), None)
+        hosts = (*hosts_of(read_certificate(there)), *order.hosts) if there is not None else known
+        made.append(_issue(folder, pair, tuple(dict.fromkeys(hosts)), order, now))
     return sorted(made)
 
 
@@ -85,48 +106,26 @@ def add_operators(folder: Path, order: CertificateOrder, now: datetime) -> list[
 
 
 def add_router(folder: Path, order: CertificateOrder, now: datetime) -> list[Path]:
-    """Make a certificate for the router of a cell; ConfigError when there is one."""
-    return _add(folder, order, [_router(order.cell)], now)
+    """Make certificates for the router of a cell and its viewers' listener; ConfigError when there are some."""
+    return _add(folder, order, _router(order.cell), now)
 
 
-def _add(folder: Path, order: CertificateOrder, bearers: Sequence[Identity], now: datetime) -> list[Path]:
+def _add(folder: Path, order: CertificateOrder, pairs: Sequence[Pair], now: datetime) -> list[Path]:
     hosts, theirs = _known_hosts(folder, order), folder / order.cell
-    for bearer in bearers:
-        if _path(theirs, bearer).exists():
+    for pair in pairs:
+        if pair.path(theirs).exists():
             raise ConfigError(
-                f"{bearer.operator or bearer.role.value} has a certificate in {theirs}; to make a new one: farhand "
+                f"{pair.identity.operator or pair.stem} has a certificate in {theirs}; to make a new one: farhand "
                 f"certificates renew {order.cell} --dir {folder}"
             )
-    return _issue(theirs, load_authority(folder), bearers, hosts, now, order.days)
+    for authority in {pair.authority for pair in pairs} - {SITES}:
+        ensure_authority(folder, authority, now)
+    return [_issue(folder, pair, hosts, order, now) for pair in pairs]
 
 
 def operators_of(theirs: Path) -> list[str]:
     """The operators who have a certificate in a cell's folder."""
     return sorted(match[1] for path in theirs.glob("*.pem") if (match := OPERATORS_FILE.fullmatch(path.name)))
-
-
-def load_authority(folder: Path) -> Issued:
-    """The authority kept in a folder; ConfigError when its files are missing or do not belong together."""
-    certificate, path = read_certificate(folder / f"{AUTHORITY}.pem"), folder / f"{AUTHORITY}.key"
-    try:
-        key = serialization.load_pem_private_key(path.read_bytes(), password=None)
-    except OSError as error:
-        raise ConfigError(f"cannot read {path}: {error.strerror}; it stays where the certificates were made") from error
-    except (ValueError, TypeError) as error:
-        raise ConfigError(f"{path} is not a private key: delete {folder} and create all certificates again") from error
-    if not isinstance(key, ec.EllipticCurvePrivateKey) or key.public_key() != certificate.public_key():
-        raise ConfigError(f"{path} is not the key of {folder / AUTHORITY}.pem: restore the one that is")
-    return Issued(certificate, key)
-
-
-def read_certificate(path: Path) -> x509.Certificate:
-    """The certificate in a PEM file, else ConfigError."""
-    try:
-        return x509.load_pem_x509_certificate(path.read_bytes())
-    except OSError as error:
-        raise ConfigError(f"cannot read {path}: {error.strerror}") from error
-    except ValueError as error:
-        raise ConfigError(f"{path} is not a certificate (PEM)") from error
 
 
 def hosts_of(certificate: x509.Certificate) -> list[str]:
@@ -135,42 +134,35 @@ def hosts_of(certificate: x509.Certificate) -> list[str]:
     return [str(name.value) for name in names]
 
 
-def _new_authority(folder: Path, now: datetime) -> Issued:
-    if (folder / f"{AUTHORITY}.pem").exists():
-        raise ConfigError(f"{folder} holds an authority's certificate but not its key: create where the key is kept")
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    authority = make_authority("Farhand certificate authority", now)
-    _write(folder / f"{AUTHORITY}.pem", authority)
-    return authority
+def _issue(folder: Path, pair: Pair, hosts: Sequence[str], order: CertificateOrder, now: datetime) -> Path:
+    """Make a certificate and its key; the path of the certificate."""
+    authority, path = load_authority(folder, pair.authority), pair.path(folder / order.cell)
+    write_pair(path, issue(authority, pair.identity, hosts, now, _valid(authority, now, order.days)))
+    return path
 
 
-def _issue(
-    theirs: Path, authority: Issued, bearers: Sequence[Identity], hosts: Sequence[str], now: datetime, days: int
-) -> list[Path]:
-    """Make certificates and keys; the paths of the certificates."""
-    valid = _valid(authority, now, days)
-    for bearer in bearers:
-        _write(_path(theirs, bearer), issue(authority, bearer, hosts, now, valid))
-    return [_path(theirs, bearer) for bearer in bearers]
+def _always(cell: str) -> list[Pair]:
+    """What every cell has: viewers, and the listener that they connect to, have an authority of their own."""
+    return [
+        Pair("remote", Identity(Role.REMOTE, cell)),
+        Pair("maintenance", Identity(Role.MAINTENANCE, cell)),
+        Pair("viewer", Identity(Role.VIEWER, cell), VIEWERS),
+        Pair("viewers-remote", Identity(Role.REMOTE, cell), VIEWERS),
+    ]
 
 
-def _sites(cell: str) -> list[Identity]:
-    """Who has a certificate at every cell."""
-    return [Identity(role, cell) for role in SITES]
+def _operator(cell: str, name: str) -> Pair:
+    return Pair(f"{Role.OPERATOR.value}.{name}", Identity(Role.OPERATOR, cell, name))
 
 
-def _operator(cell: str, name: str) -> Identity:
-    return Identity(Role.OPERATOR, cell, name)
+def _router(cell: str) -> tuple[Pair, Pair]:
+    router = Identity(Role.ROUTER, cell)
+    return Pair("router", router), Pair("viewers-router", router, VIEWERS)
 
 
-def _router(cell: str) -> Identity:
-    return Identity(Role.ROUTER, cell)
-
-
-def _path(theirs: Path, bearer: Identity) -> Path:
-    """The certificate's file."""
-    name = bearer.role.value if bearer.operator is None else f"{bearer.role.value}.{bearer.operator}"
-    return theirs / f"{name}.pem"
+def _beside(pair: Pair, theirs: Path) -> Path:
+    """The certificate of the same site at its other endpoints, whose hosts a viewers' listener has too."""
+    return theirs / f"{pair.identity.role.value}.pem"
 
 
 def _known_hosts(folder: Path, order: CertificateOrder) -> tuple[str, ...]:
@@ -189,34 +181,3 @@ def _valid(authority: Issued, now: datetime, days: int) -> timedelta:
     if left <= timedelta(0):
         raise ConfigError("the authority has expired: delete its folder and create all certificates again")
     return min(timedelta(days=days), left)
-
-
-def _write(certificate: Path, issued: Issued) -> None:
-    """Write the key first: a certificate is useless without it."""
-    write_atomically(certificate.with_suffix(".key"), issued.key_pem, PRIVATE)
-    write_atomically(certificate, issued.certificate_pem, PUBLIC)
-
-
-def guidance(folder: Path, order: CertificateOrder) -> str:
-    """What to do with the new files."""
-    cell, theirs, names = order.cell, folder / order.cell, order.operators or ("NAME",)
-    where = order.hosts[0] if order.hosts else "127.0.0.1"
-    made = [*SITES, *(f"operator.{name}" for name in order.operators)]
-    return (
-        f"made in {theirs}: a certificate and key each for {', '.join(made)}\n"
-        f"for every further operator: farhand certificates operator {cell} NAME --dir {folder}\n"
-        f"for a router, where the sites cannot reach each other: farhand certificates router {cell} --dir {folder}\n"
-        f"keep {folder / AUTHORITY}.key secret: anybody who has it can become an operator\n"
-        "give each host ca.pem and its own pair, keys for the service's user only, for the robot's side:\n"
-        f'  cell = "{cell}"\n'
-        "  [links]\n"
-        '  control = "tls/0.0.0.0:7447"\n'
-        '  video = "tls/0.0.0.0:7448"\n'
-        f"  operators = [{', '.join(json.dumps(name) for name in names)}]\n"
-        "  [links.tls]\n"
-        f'  ca = "/etc/farhand/{AUTHORITY}.pem"\n'
-        '  certificate = "/etc/farhand/remote.pem"\n'
-        '  key = "/etc/farhand/remote.key"\n'
-        f'and for an operator\'s, with operator.{names[0]}.pem and .key: the same cell, remote = "tls/{where}:7447", '
-        f'and in [authority] operator = "{names[0]}"'
-    )

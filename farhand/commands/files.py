@@ -29,11 +29,12 @@ def create_command(
     host: Hosts = None,
     operator: Annotated[list[str] | None, typer.Option(help="Name of an operator; may be repeated.")] = None,
 ) -> None:
-    """Make an authority, and its certificates for the sites of a cell, its operators, viewers and maintenance.
+    """Make the authorities of sites and of viewers, and their certificates for the sites of a cell and all its people.
 
     Example: farhand certificates create lab --host robot.example.org --operator anna
     """
-    from farhand.certificates.folder import CertificateOrder, create, guidance
+    from farhand.certificates.folder import CertificateOrder, create
+    from farhand.certificates.guidance import guidance
 
     order = CertificateOrder(cell, tuple(host or ()), days, tuple(operator or ()))
     create(folder, order, datetime.now(UTC))
@@ -65,7 +66,7 @@ def operator_command(
 def router_command(
     cell: CellToCertify, folder: Folder = Path("certificates"), days: Days = DAYS, host: Hosts = None
 ) -> None:
-    """Make the certificate of the router through which the sites of a cell meet; it is of no use at another cell.
+    """Make the certificates of the router through which the sites of a cell meet; they are of no use at another cell.
 
     Example: farhand certificates router lab --host meet.example.org
     """
@@ -74,21 +75,29 @@ def router_command(
     made = add_router(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
     typer.echo(f"made: {_pairs(made)}")
     typer.echo(f'copy them to the router\'s host, and set cell = "{cell}" in its router.toml')
+    typer.echo("viewers-router is for [viewers] there, where others are to watch")
 
 
 @certificates_app.command("renew")
 def renew_command(
     cell: CellToCertify, folder: Folder = Path("certificates"), days: Days = DAYS, host: Hosts = None
 ) -> None:
-    """Make new keys and certificates of the same authority for the same hosts; a host given here is added.
+    """Make new keys and certificates of the same authorities for the same hosts; a host given here is added.
 
     Example: farhand certificates renew lab
     """
+    from farhand.certificates.authorities import VIEWERS, has_authority
     from farhand.certificates.folder import CertificateOrder, renew
 
+    had_viewers = has_authority(folder, VIEWERS)
     made = renew(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
     typer.echo(f"renewed for {days} days: {_pairs(made)}")
     typer.echo("copy each pair to its host and restart the services there; the old ones are good until they expire")
+    if not had_viewers:
+        typer.echo(
+            f"viewers have an authority of their own now, made as {folder / VIEWERS.stem}.pem: give each viewer that "
+            "file and the new viewer.pem, and serve them by [links.viewers] at the robot, or [viewers] at the router"
+        )
 
 
 @models_app.command("install")

@@ -6,17 +6,20 @@ from pathlib import Path
 
 from common.config import apply_setting, load_config, read_tables
 from common.errors import ConfigError, TransportError
-from common.link.config import LinkSecurity
+from common.link.config import LinkSecurity, TlsConfig, ViewersConfig
+from common.link.credentials import check_viewers
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
 from farhand.doctor import arm, cameras, landmarks, machine, site
 from farhand.doctor.findings import Finding, error, ok
 from farhand.doctor.link.run import examine_link
+from farhand.router import VIEWERS_TABLE as ROUTERS_VIEWERS
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
+from remote_site.link_config import VIEWERS_TABLE
 from remote_site.simulation.config import SIMULATED
 
 Site = LocalConfig | RemoteConfig
@@ -87,13 +90,16 @@ def examine_config(config: Configuration) -> list[Finding]:
         return examine_local(config)
     if isinstance(config, ConsoleConfig):
         return _examine_links(config.links, config.links.endpoints, *config.bearers)
-    return [*_examine_links(config, config.listen, config.bearer), *site.check_operators(config)]
+    findings = [*_examine_links(config, config.listen, config.bearer), *site.check_operators(config)]
+    return [*findings, *_examine_viewers(config.viewers, config.tls, config.bearer, ROUTERS_VIEWERS)]
 
 
 def examine_remote(config: RemoteConfig) -> list[Finding]:
     """Certificate, robot, views and ports of the robot's side."""
-    findings = _examine_links(config.links, config.links.endpoints, Identity(Role.REMOTE, config.cell))
+    bearer = Identity(Role.REMOTE, config.cell)
+    findings = _examine_links(config.links, config.links.endpoints, bearer)
     findings += site.check_operators(config.links)
+    findings += _examine_viewers(config.links.viewers, config.links.tls, bearer, VIEWERS_TABLE)
     mistakes = arm.probe_robot(config)
     findings += arm.check_robot(config.robot.model, config.driver.name, mistakes)
     if not mistakes:
@@ -147,6 +153,20 @@ def _examine_links(links: LinkSecurity, endpoints: Sequence[str], *bearers: Iden
         names = [bearer.common_name for bearer in bearers]
         findings += site.check_certificate(facts, facts.names if facts.names in names else names[0])
     return findings
+
+
+def _examine_viewers(viewers: ViewersConfig, own: TlsConfig, bearer: Identity, table: str) -> list[Finding]:
+    """The viewers' endpoint where there is one: its certificate, of an authority apart, and its port."""
+    if not viewers.listen:
+        return []
+    facts = site.probe_certificate(viewers.tls, datetime.now(UTC), table)
+    findings = site.check_certificate(facts, bearer.common_name)
+    if not facts.problem:
+        try:
+            check_viewers(viewers, own, bearer, table)
+        except ConfigError as refused:
+            findings.append(error("viewers", str(refused), f"correct the table [{table}]"))
+    return [*findings, site.check_port(site.probe_port("viewers", viewers.listen, viewers.security))]
 
 
 def _examine_ports(endpoints: Iterable[tuple[str, str]], config: Site) -> list[Finding]:

@@ -8,11 +8,11 @@ from pathlib import Path
 from common.clock import NS_PER_S
 from common.errors import ConfigError, RefusedError, TransportError
 from common.link.config import NAME_OPERATORS, ON_THIS_HOST, LinkSecurity, OperatorLinks, TlsConfig
-from common.link.credentials import load_credentials
+from common.link.credentials import TABLE, load_credentials
 from common.link.endpoints import check_endpoint, check_free
 from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
-from farhand.certificates.folder import read_certificate
+from farhand.certificates.authorities import read_certificate
 from farhand.doctor.findings import Finding, error, ok, warning
 from farhand.doctor.processes import is_ours, listener_on
 
@@ -125,10 +125,10 @@ class CertificateFacts:
     problem: str = ""
 
 
-def probe_certificate(tls: TlsConfig, now: datetime) -> CertificateFacts:
-    """Load the files as a link would, then read the days left at `now` and the key file's mode."""
+def probe_certificate(tls: TlsConfig, now: datetime, table: str = TABLE) -> CertificateFacts:
+    """Load the files that a table names as a link would, then read the days left at `now` and the key file's mode."""
     try:
-        identity = load_credentials(tls).identity
+        identity = load_credentials(tls, table).identity
         certificates = read_certificate(Path(tls.certificate)), read_certificate(Path(tls.ca))
     except (TransportError, ConfigError) as wrong:
         return CertificateFacts(tls.certificate, problem=str(wrong))

@@ -13,19 +13,23 @@ from common.errors import FarhandError, ProcessError
 from common.geometry import Array
 from common.link.channels import CAMERA, KEY_FRAMES, SHOWN, STATE, ChannelSession
 from common.link.config import NAME_OPERATORS
-from common.link.credentials import CertificateValidity, check_links
+from common.link.credentials import CertificateValidity, check_links, check_viewers
 from common.link.endpoints import check_free
 from common.link.pubsub import Publisher
 from common.link.roles import Identity, Role
+from common.link.session_settings import PICTURES_SEND_BUFFER_BYTES
 from common.link.tap import untapped
+from common.link.viewers import Site
 from common.messages.video import VideoFrame
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.log import LogFormat, log_end, start_log
 from common.process.service import StopFlag, notify
+from common.process.viewers import run_viewers
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.registry import check_driver
 from remote_site.kinematics.limits import load_arm
+from remote_site.link_config import VIEWERS_TABLE
 from remote_site.recording.memory import RecordingMemory, memory_path
 from remote_site.recording.video_tap import VideoTap
 from remote_site.runtime.assist_memory import AssistMemory
@@ -48,7 +52,6 @@ if TYPE_CHECKING:
 
 CHECK_S = 0.1
 CHECKS_PER_VALIDITY = 10
-VIDEO_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 240 ms; what waits in more is old
 
 
 def run_remote(
@@ -91,6 +94,9 @@ def run_remote(
         children.start("control", partial(run_control, config, driver_memory, memory, site, assist, recording))
         if config.metrics.port:
             children.start("metrics", partial(_metrics, config, tally), vital=False)
+        if config.links.viewers.listen:
+            seen = Site(config.cell, config.links.listened, config.links)
+            children.start("viewers", partial(run_viewers, config.links.viewers, VIEWERS_TABLE, seen), vital=False)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
         if not should_stop():
             site.set_ready()
@@ -112,9 +118,13 @@ def run_remote(
 def _check_start(config: RemoteConfig) -> None:
     """FarhandError for what would otherwise fail later, in a process of the site."""
     links, served = config.links, (config.metrics.endpoint,) if config.metrics.port else ()
-    check_links(links.endpoints, links, Identity(Role.REMOTE, config.cell))
+    bearer = Identity(Role.REMOTE, config.cell)
+    check_links(links.endpoints, links, bearer)
+    check_viewers(links.viewers, links.tls, bearer, VIEWERS_TABLE)
     for endpoint in (*links.listened, *served):
         check_free(endpoint, links)
+    if links.viewers.listen:
+        check_free(links.viewers.listen, links.viewers.security)
     if not links.heard:
         structlog.get_logger().warning("nobody may operate: links.operators is empty", cure=NAME_OPERATORS)
     check_driver(config.driver.name)
@@ -178,7 +188,9 @@ def _video(
     tap = VideoTap(recording, config.cell, MonotonicClock()) if recording is not None else None
     note_message = tap.note_message if tap is not None else untapped
     views = SimulatedViews(config.simulation, config.robot, memory) if memory is not None else None
-    with open_site_link(config.links, ChannelSession.VIDEO, should_stop, VIDEO_SEND_BUFFER_BYTES, note_message) as link:
+    with open_site_link(
+        config.links, ChannelSession.VIDEO, should_stop, PICTURES_SEND_BUFFER_BYTES, note_message
+    ) as link:
         publishers: dict[str, Publisher[VideoFrame]] = {
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }

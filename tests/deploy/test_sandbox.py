@@ -49,6 +49,19 @@ except PermissionError:
 print("done")
 """
 
+VIEWERS = """
+import multiprocessing
+from common.process.service import be_nice
+
+def yields():
+    be_nice(10)
+    print("yielded", flush=True)
+
+child = multiprocessing.get_context("fork").Process(target=yields)
+child.start()
+child.join()
+"""
+
 RECORDER = """
 import sys
 from datetime import UTC, datetime
@@ -133,6 +146,10 @@ def test_a_site_can_compile_fork_share_and_run_in_real_time(site: str) -> None:
     assert told[:3] == ["filtered", "compiled 2", "forked"]
     assert told[-1] == "done"
     assert ("real time refused" in told) is not may_have_real_time()
+
+
+def test_the_router_can_start_a_process_that_yields_to_it() -> None:
+    assert behind_the_filter(allowed("router"), VIEWERS) == ["filtered", "yielded"]
 
 
 def test_the_operators_recorder_can_listen_and_write(tmp_path: Path) -> None:

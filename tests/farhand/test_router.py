@@ -1,6 +1,8 @@
 """The meeting point: sites that only connect reach each other, by their roles, and again after it was restarted."""
 
 import json
+import os
+import signal
 import threading
 import time
 from collections.abc import Iterator
@@ -10,14 +12,17 @@ from pathlib import Path
 
 import pytest
 import zenoh
+from msgspec.structs import asdict
 
 from common.config import load_config
-from common.errors import RefusedError, TransportError
-from common.link.channels import HAND, STATE
+from common.errors import ConfigError, RefusedError, TransportError
+from common.link.channels import CLOCK, HAND, STATE
+from common.link.config import ViewersConfig
 from common.link.endpoints import SECURED
 from common.link.transport import Link, open_link, open_router
-from common.messages.requests import EngagementAction
+from common.messages.requests import ClockQuestion, EngagementAction
 from farhand.certificates.folder import CertificateOrder, add_router, create
+from farhand.loopback.site_process import start_site
 from farhand.router import RouterConfig, zenohd_configuration
 from tests.common.link.secured_cell import (
     ANNA,
@@ -25,6 +30,7 @@ from tests.common.link.secured_cell import (
     HAND_SAMPLE,
     OPERATORS,
     QUIET_S,
+    ROBOT_STATE,
     Cell,
     commands_arrive,
     dishonest,
@@ -33,6 +39,8 @@ from tests.common.link.secured_cell import (
     secured,
     until,
 )
+from tests.common.link.watched_cell import watched
+from tests.integration.sites import child_of
 
 PROJECT = Path(__file__).parents[2]
 
@@ -121,9 +129,10 @@ def test_who_is_asked_to_end_waits_for_no_router(pki: Path) -> None:
 
 
 def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -> None:
-    with meeting.connect("viewer") as viewer:
-        until(viewer.latest(STATE, CELL).take)
-    with dishonest(meeting.endpoint, meeting.pki, "viewer") as session:
+    with (
+        watched(meeting.pki, (meeting.endpoint,), "router") as endpoint,
+        dishonest(endpoint, meeting.pki, "viewer") as session,
+    ):
         assert not commands_arrive(session, meeting.cell)
     with dishonest(meeting.endpoint, meeting.pki, "operator.anna", cell="other") as session:
         assert not commands_arrive(session, meeting.cell)
@@ -134,22 +143,65 @@ def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -
 def test_a_router_of_another_cell_is_nobodys_meeting_point(pki: Path) -> None:
     endpoint = f"tls/127.0.0.1:{free_port()}"
     with open_router(listen=(endpoint,), security=secured(pki, "router", "other"), operators=OPERATORS):
-        for who in ("remote", "operator.anna", "viewer"):
+        for who in ("remote", "operator.anna", "maintenance"):
             with pytest.raises(
                 RefusedError, match=r"is not the remote site of cell lab: .* certificate of router\.other"
             ):
                 open_link(connect=(endpoint,), security=secured(pki, who), through_router=who == "remote")
 
 
-def test_a_router_lets_no_viewer_hear_a_hand(meeting: Meeting) -> None:
-    with meeting.connect("operator.anna") as operator, dishonest(meeting.endpoint, meeting.pki, "viewer") as viewer:
+def test_viewers_watch_at_the_router_and_hear_no_hand(meeting: Meeting) -> None:
+    with ExitStack() as stack:
+        operator = stack.enter_context(meeting.connect("operator.anna"))
+        endpoint = stack.enter_context(watched(meeting.pki, (meeting.endpoint,), "router"))
+        security = secured(meeting.pki, "viewer")
+        viewer = stack.enter_context(open_link(connect=(endpoint,), security=security))
+        until(viewer.latest(STATE, CELL).take)
+        until(lambda: viewer.ask(CLOCK, CELL, ClockQuestion()))
+        curious = stack.enter_context(dishonest(endpoint, meeting.pki, "viewer"))
         heard: set[str] = set()
         for key in ("**", HAND.key_for(CELL, operator=ANNA)):
-            viewer.declare_subscriber(key, lambda sample: heard.add(str(sample.key_expr)))
+            curious.declare_subscriber(key, lambda sample: heard.add(str(sample.key_expr)))
         hand, before = operator.publisher(HAND, CELL, operator=ANNA), meeting.cell.hands
         until(lambda: hand.put(HAND_SAMPLE) or meeting.cell.hands > before + 10)
         time.sleep(QUIET_S)
-        assert HAND.key_for(CELL, operator=ANNA) not in heard
+        assert heard <= {STATE.key_for(CELL)}
+
+
+def test_whoever_else_has_the_routers_certificate_may_do_no_more_than_a_viewer(meeting: Meeting) -> None:
+    with dishonest(meeting.endpoint, meeting.pki, "router") as session:
+        assert not commands_arrive(session, meeting.cell)
+
+
+def test_the_routers_process_lets_viewers_watch_and_goes_on_without_the_one_that_serves_them(
+    pki: Path, tmp_path: Path
+) -> None:
+    endpoint, seen_at = (f"tls/127.0.0.1:{free_port()}" for _ in range(2))
+    settings = {"cell": CELL, "listen": json.dumps([endpoint]), "operators": json.dumps(OPERATORS)}
+    settings |= {f"tls.{key}": path for key, path in asdict(secured(pki, "router").tls).items()}
+    settings |= {f"viewers.tls.{key}": path for key, path in asdict(secured(pki, "viewers-router").tls).items()}
+    arguments = [f"--set={key}={value}" for key, value in (settings | {"viewers.listen": seen_at}).items()]
+    router = start_site("router", arguments, tmp_path)
+    with ExitStack() as stack:
+        stack.callback(router.end)
+        site = open_link(connect=(endpoint,), security=secured(pki, "remote"), through_router=True)
+        states = stack.enter_context(site).publisher(STATE, CELL)
+        viewer = stack.enter_context(open_link(connect=(seen_at,), security=secured(pki, "viewer")))
+        operator = stack.enter_context(open_link(connect=(endpoint,), security=secured(pki, "operator.anna")))
+        seen, heard = viewer.latest(STATE, CELL), operator.latest(STATE, CELL)
+        until(lambda: states.put(ROBOT_STATE) or seen.take())
+        os.kill(child_of(router, "farhand-viewers"), signal.SIGKILL)
+        until(lambda: any("process=viewers" in line for line in router.events))
+        while heard.take() is not None:
+            pass
+        until(lambda: states.put(ROBOT_STATE) or heard.take())
+        assert router.exit_code is None
+
+
+def test_zenohd_serves_no_viewers(pki: Path) -> None:
+    viewers = ViewersConfig(listen="tls/127.0.0.1:7449", tls=secured(pki, "viewers-router").tls)
+    with pytest.raises(ConfigError, match=r"zenohd serves none; run 'farhand router'"):
+        zenohd_configuration(RouterConfig(cell=CELL, viewers=viewers))
 
 
 def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
@@ -165,7 +217,6 @@ def test_zenohds_configuration_is_the_routers_and_can_be_read() -> None:
     assert {subject["cert_common_names"][0] for subject in control["subjects"]} == {
         "remote.cell",
         "operator.cell.anna",
-        "viewer.cell",
         "maintenance.cell",
         "router.cell",
     }

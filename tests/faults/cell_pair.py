@@ -70,6 +70,14 @@ class CellPair:
         link = open_link(connect=(self._setup.control,), security=self._setup.security_of(operator))
         return self.stack.enter_context(link)
 
+    def viewer(self) -> Link:
+        """A link of a viewer, at the endpoint for viewers."""
+        return open_link(connect=(self._setup.viewers,), security=self._setup.security_with("viewer"))
+
+    def maintenance(self) -> Link:
+        """A link of maintenance to the remote site."""
+        return open_link(connect=(self._setup.control,), security=self._setup.security_with("maintenance"))
+
     @property
     def control(self) -> str:
         """The remote site's control endpoint."""

@@ -39,6 +39,7 @@ from tests.faults.plays import (
 )
 from tests.faults.process_plays import close_page, kill_console, kill_control, kill_remote, late_page
 from tests.faults.reach_plays import reach_out, start_outside, sweep_wrist, wander
+from tests.faults.viewer_plays import watch_in_crowds
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,7 @@ ROWS = (
     Row("second operator", "refused with the holder's name, fenced", second_operator(lambda pair: foreign_ones(pair, 1.0))),
     Row("another operator sends under the holder's lease", "refused by the name in the key, the arm stays", usurped(lambda pair: usurping_ones(pair, 1.0)), protocol="tls"),
     Row("consent for another", "void, with the name of who asks now", changed_asker, protocol="tls"),
+    Row("70 viewers connect, and the process that serves them is killed", "follows; stops are answered, also that of a new session; the site goes on", watch_in_crowds, protocol="tls"),
     Row("2000 samples a second without the lease", "refused, the arm follows", outlast(lambda pair: flood(pair, 5.0), 0.95)),
     Row("driver raises", "LATCH, the loop ticks", faulty(robot(raises=True), robot(raises=False), says="ZeroDivisionError")),
     Row("driver blocks 200 ms", "deadline 50 ms, LATCH, the loop ticks", faulty(robot(blocks_ms=200), robot(), says="ms", more_s=0.2)),

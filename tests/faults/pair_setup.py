@@ -23,13 +23,17 @@ VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
 
 @dataclass(frozen=True)
 class PairSetup:
-    """One cell in a folder of its own; `two_hosts` where a network is between its sites."""
+    """One cell in a folder of its own; `two_hosts` where a network is between its sites.
+
+    Viewers have an endpoint where hand and state go by TLS.
+    """
 
     folder: Path
     two_hosts: bool
     control: str
     video: str
     listen: str
+    viewers: str
     driver_settings: tuple[str, ...]
 
     @classmethod
@@ -38,9 +42,10 @@ class PairSetup:
         if protocol in SECURED:
             create(folder, CertificateOrder(CELL, ("localhost",), 1, (OPERATOR, *OTHERS)), datetime.now(UTC))
         host = "localhost" if two_hosts else "127.0.0.1"
-        control, video, listen = free_ports(3)
+        control, video, listen, watched = free_ports(4)
         endpoints = f"{protocol}/{host}:{control}", f"tcp/{host}:{video}", f"tcp/127.0.0.1:{listen}"
-        return cls(folder, two_hosts, *endpoints, _driver(folder, settings))
+        viewers = f"tls/{host}:{watched}" if protocol == "tls" else ""
+        return cls(folder, two_hosts, *endpoints, viewers, _driver(folder, settings))
 
     @property
     def security(self) -> LinkSecurity:
@@ -49,7 +54,11 @@ class PairSetup:
 
     def security_of(self, operator: str) -> LinkSecurity:
         """How an operator's link connects."""
-        return LinkSecurity(tls=self._tls(f"operator.{operator}")) if self._is_secured else ON_THIS_HOST
+        return self.security_with(f"operator.{operator}")
+
+    def security_with(self, who: str) -> LinkSecurity:
+        """How a link connects that shows this certificate, where there are any."""
+        return LinkSecurity(tls=self._tls(who)) if self._is_secured else ON_THIS_HOST
 
     @property
     def remote(self) -> tuple[str, ...]:
@@ -57,7 +66,9 @@ class PairSetup:
         links = f"cell={CELL}", f"links.control={self.control}", f"links.video={self.video}"
         listed = f"links.operators={json.dumps([OPERATOR, *OTHERS])}"
         settings = listed, "engagement.mode=on_request", VIDEO
-        return *links, *settings, *self._certificate("remote"), *self.driver_settings
+        viewers = (f"links.viewers.listen={self.viewers}", *self._certificate("viewers-remote", "links.viewers.tls"))
+        watched = viewers if self.viewers else ()
+        return *links, *settings, *self._certificate("remote"), *watched, *self.driver_settings
 
     @property
     def local(self) -> tuple[str, ...]:
@@ -89,12 +100,13 @@ class PairSetup:
 
     def _tls(self, who: str) -> TlsConfig:
         pair = self.folder / CELL / who
-        return TlsConfig(ca=str(self.folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+        authority = "viewers-ca" if who.startswith("viewer") else "ca"
+        return TlsConfig(ca=str(self.folder / f"{authority}.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
 
-    def _certificate(self, who: str) -> tuple[str, ...]:
-        """The settings with which a site shows its certificate, where it has to."""
+    def _certificate(self, who: str, table: str = "links.tls") -> tuple[str, ...]:
+        """The settings with which a site shows a certificate, where it has to."""
         shown = msgspec.structs.asdict(self._tls(who)) if self._is_secured else {}
-        return tuple(f"links.tls.{key}={value}" for key, value in shown.items())
+        return tuple(f"{table}.{key}={value}" for key, value in shown.items())
 
     def _wall_clock(self) -> dict[str, str]:
         offset, library = self.folder / "wall_offset", self.folder / "wall_clock.so"

@@ -8,7 +8,8 @@ import pytest
 
 from common.link.endpoints import SECURED
 from common.link.roles import Identity, Role
-from farhand.certificates.folder import CertificateOrder, add_router, create, load_authority
+from farhand.certificates.authorities import load_authority
+from farhand.certificates.folder import CertificateOrder, add_router, create
 from farhand.certificates.issuing import issue
 from tests.common.link.secured_cell import (
     ANNA,

@@ -37,9 +37,14 @@ def keep(stem: Path, issued: Issued) -> None:
     stem.with_suffix(".key").write_bytes(issued.key_pem)
 
 
+def authority(folder: Path, who: str | None) -> str:
+    """The authority that this certificate is of: viewers, and the listener for them, have one of their own."""
+    return str(folder / ("viewers-ca.pem" if (who or "").startswith("viewer") else "ca.pem"))
+
+
 def secured(folder: Path, who: str, cell: str = CELL) -> LinkSecurity:
     pair = folder / cell / who
-    tls = TlsConfig(ca=str(folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+    tls = TlsConfig(ca=authority(folder, who), certificate=f"{pair}.pem", key=f"{pair}.key")
     return LinkSecurity(tls=tls)
 
 
@@ -118,7 +123,7 @@ def dishonest(
     endpoint: str, folder: Path, who: str | None, *, listen: bool = False, cell: str = CELL, mode: str = "peer"
 ) -> Iterator[zenoh.Session]:
     """A session that checks nothing itself and has no access control of its own."""
-    tls = {"root_ca_certificate": str(folder / "ca.pem"), "verify_name_on_connect": False}
+    tls = {"root_ca_certificate": authority(folder, who), "verify_name_on_connect": False}
     if who is not None:
         pair = folder / cell / who
         for end in ("listen", "connect"):

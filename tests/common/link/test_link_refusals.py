@@ -16,7 +16,7 @@ from common.link.roles import Identity, Role
 from common.link.transport import Link, open_link
 from common.messages.codec import encode
 from common.messages.requests import ClockQuestion
-from farhand.certificates.folder import load_authority
+from farhand.certificates.authorities import load_authority
 from farhand.certificates.issuing import issue
 from tests.common.link.secured_cell import (
     ANNA,
@@ -132,8 +132,8 @@ def test_tls_against_plain_tcp(pki: Path) -> None:
 @pytest.mark.parametrize("protocol", SECURED)
 def test_an_impostor_who_is_there_already(pki: Path, protocol: str) -> None:
     endpoint = f"{protocol}/127.0.0.1:{free_port()}"
-    with dishonest(endpoint, pki, "viewer", listen=True):
-        assert "the listener there shows the certificate of viewer.lab" in why_refused(
+    with dishonest(endpoint, pki, "maintenance", listen=True):
+        assert "the listener there shows the certificate of maintenance.lab" in why_refused(
             endpoint, secured(pki, "operator.anna")
         )
 
@@ -144,7 +144,7 @@ def test_an_impostor_who_comes_later_hears_nothing_and_is_not_believed(pki: Path
     with ExitStack() as stack:
         link = stack.enter_context(open_link(connect=(endpoint,), security=secured(pki, "operator.anna")))
         hand, state = link.publisher(HAND, CELL, operator=ANNA), link.latest(STATE, CELL)
-        impostor = stack.enter_context(dishonest(endpoint, pki, "viewer", listen=True))
+        impostor = stack.enter_context(dishonest(endpoint, pki, "maintenance", listen=True))
         heard = impostor.declare_subscriber("**", zenoh.handlers.RingChannel(1), allowed_origin=zenoh.Locality.REMOTE)
         answering = impostor.declare_queryable(CLOCK.key_for(CELL), zenoh.handlers.RingChannel(1))
         until(link._session.info.links)

@@ -20,6 +20,7 @@ from common.messages.requests import ClockAnswer, ClockQuestion
 from common.messages.robot import RobotState
 from farhand.certificates.folder import CertificateOrder, create
 from tests.common.link.secured_cell import free_port, secured
+from tests.common.link.watched_cell import watched
 
 PACKAGE = Path(__file__).parents[3] / "deploy/lerobot"
 for folder in (PACKAGE, Path(__file__).parent / "stand_in"):
@@ -85,7 +86,11 @@ def published() -> Iterator[PublishedCell]:
 
 @pytest.fixture
 def secured_cell(tmp_path: Path) -> Iterator[PublishedCell]:
-    """A cell with certificates of its own authority, in `pki`."""
+    """A cell with certificates of its own authorities, in `pki`, as viewers see it."""
     create(tmp_path / "pki", CertificateOrder(CELL, (), 30, ("anna",)), datetime.now(UTC))
-    with running("tls", secured(tmp_path / "pki", "remote", CELL)) as cell:
+    with (
+        running("tls", secured(tmp_path / "pki", "remote", CELL)) as cell,
+        watched(tmp_path / "pki", (cell.endpoint,), cell=CELL) as endpoint,
+    ):
+        cell.endpoint = endpoint
         yield cell

@@ -152,7 +152,7 @@ def test_a_cell_with_other_joints_or_that_does_not_answer_is_refused_with_the_cu
 def test_with_certificates_a_viewers_suffices(secured_cell, tmp_path):
     endpoint, folder = secured_cell.endpoint, tmp_path / "pki"
     pair = folder / CELL / "viewer"
-    given = {"ca": f"{folder}/ca.pem", "certificate": f"{pair}.pem", "key": f"{pair}.key"}
+    given = {"ca": f"{folder}/viewers-ca.pem", "certificate": f"{pair}.pem", "key": f"{pair}.key"}
     assert endpoint.startswith("tls/")
     device = teleop(secured_cell, **given)
     device.connect()

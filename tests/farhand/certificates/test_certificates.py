@@ -14,14 +14,13 @@ from common.errors import ConfigError, TransportError
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.credentials import CertificateValidity, check_links, load_credentials
 from common.link.roles import Identity, Role, read_common_name
+from farhand.certificates.authorities import VIEWERS, load_authority, read_certificate
 from farhand.certificates.folder import (
     CertificateOrder,
     add_operators,
     add_router,
     create,
     hosts_of,
-    load_authority,
-    read_certificate,
     renew,
 )
 from farhand.certificates.issuing import issue
@@ -30,7 +29,7 @@ from farhand.doctor.site import CertificateFacts, check_certificate, probe_certi
 
 NOW = datetime.now(UTC)
 ORDER = CertificateOrder("lab", ("robot.example.org", "10.0.0.3"), 90, ("anna", "ben"))
-PAIRS = ("remote", "viewer", "maintenance", "operator.anna", "operator.ben")
+PAIRS = ("remote", "viewer", "viewers-remote", "maintenance", "operator.anna", "operator.ben")
 
 
 @pytest.fixture
@@ -41,7 +40,8 @@ def folder(tmp_path: Path) -> Path:
 
 def files(folder: Path, who: str = "remote", cell: str = "lab") -> TlsConfig:
     pair = folder / cell / who
-    return TlsConfig(ca=str(folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+    authority = "viewers-ca" if who.startswith("viewer") else "ca"
+    return TlsConfig(ca=str(folder / f"{authority}.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
 
 
 def test_every_role_has_a_certificate_for_both_directions_and_all_hosts(folder: Path) -> None:
@@ -53,12 +53,12 @@ def test_every_role_has_a_certificate_for_both_directions_and_all_hosts(folder: 
         assert hosts_of(certificate) == ["127.0.0.1", "::1", "localhost", "robot.example.org", "10.0.0.3"]
         assert certificate.not_valid_after_utc - NOW <= timedelta(days=90)
         identity = load_credentials(files(folder, name)).identity
-        assert name == ".".join(filter(None, (identity.role.value, identity.operator)))
+        assert name.removeprefix("viewers-") == ".".join(filter(None, (identity.role.value, identity.operator)))
 
 
 def test_keys_are_for_their_owner_only(folder: Path) -> None:
     keys = sorted(folder.rglob("*.key"))
-    assert len(keys) == 1 + len(PAIRS)
+    assert len(keys) == 2 + len(PAIRS)
     assert {stat.S_IMODE(key.stat().st_mode) for key in keys} == {0o600}
     assert list(folder.rglob("*.part")) == []
 
@@ -118,7 +118,8 @@ def test_a_certificate_that_names_no_operator_is_refused_with_the_cure(folder: P
 
 def test_a_router_has_a_certificate_only_where_it_is_asked_for_of_one_cell_and_for_its_own_hosts(folder: Path) -> None:
     made = add_router(folder, CertificateOrder("lab", ("meet.example.org",), 90), NOW)
-    assert [path.name for path in made] == ["router.pem"]
+    assert [path.name for path in made] == ["router.pem", "viewers-router.pem"]
+    assert load_credentials(files(folder, "viewers-router")).identity == Identity(Role.ROUTER, "lab")
     assert load_credentials(files(folder, "router")).identity == Identity(Role.ROUTER, "lab")
     assert "meet.example.org" in hosts_of(read_certificate(made[0]))
     with pytest.raises(ConfigError, match="router has a certificate"):
@@ -126,7 +127,7 @@ def test_a_router_has_a_certificate_only_where_it_is_asked_for_of_one_cell_and_f
     with pytest.raises(ConfigError, match="make it first: farhand certificates create other"):
         add_router(folder, CertificateOrder("other", (), 90), NOW)
     renew(folder, CertificateOrder("lab", (), 200), NOW)
-    assert "meet.example.org" in hosts_of(read_certificate(made[0]))
+    assert all("meet.example.org" in hosts_of(read_certificate(path)) for path in made)
     assert "meet.example.org" not in hosts_of(read_certificate(folder / "lab" / "remote.pem"))
 
 
@@ -166,6 +167,34 @@ def test_renewing_keeps_authority_and_hosts_and_makes_new_keys(folder: Path) -> 
     assert load_credentials(files(folder)).identity.common_name == "remote.lab"
     anna = read_certificate(folder / "lab" / "operator.anna.pem")
     assert (hosts_of(anna), anna.not_valid_after_utc) == (hosts_of(renewed), renewed.not_valid_after_utc)
+
+
+@pytest.mark.parametrize("who", ["viewer", "viewers-remote"])
+def test_what_viewers_have_is_worth_nothing_to_the_sites_authority(folder: Path, who: str) -> None:
+    pair = files(folder, who)
+    mixed = TlsConfig(ca=str(folder / "ca.pem"), certificate=pair.certificate, key=pair.key)
+    with pytest.raises(TransportError, match="comes from another authority"):
+        load_credentials(mixed)
+
+
+def test_renewing_a_folder_of_before_makes_the_viewers_authority_and_issues_theirs_anew(folder: Path) -> None:
+    add_router(folder, CertificateOrder("lab", ("meet.example.org",), 90), NOW)
+    theirs, before = folder / "lab", (folder / "ca.pem").read_bytes()
+    for gone in (*folder.glob("viewers-ca.*"), *theirs.glob("viewers-*")):
+        gone.unlink()
+    old = issue(load_authority(folder), Identity(Role.VIEWER, "lab"), ("::1", "old.org"), NOW, timedelta(days=9))
+    (theirs / "viewer.pem").write_bytes(old.certificate_pem)
+    made = renew(folder, CertificateOrder("lab", (), 90), NOW)
+    assert {"viewer.pem", "viewers-remote.pem", "viewers-router.pem"} <= {path.name for path in made}
+    for name in ("viewer", "viewers-remote", "viewers-router", "remote"):
+        load_credentials(files(folder, name))
+    assert "old.org" in hosts_of(read_certificate(theirs / "viewer.pem"))
+    assert "robot.example.org" in hosts_of(read_certificate(theirs / "viewers-remote.pem"))
+    assert "meet.example.org" in hosts_of(read_certificate(theirs / "viewers-router.pem"))
+    assert (folder / "ca.pem").read_bytes() == before
+    authority = load_authority(folder, VIEWERS).certificate
+    renew(folder, CertificateOrder("lab", (), 90), NOW)
+    assert load_authority(folder, VIEWERS).certificate == authority
 
 
 def test_no_certificate_outlives_its_authority(folder: Path) -> None:
