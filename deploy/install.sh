@@ -172,8 +172,7 @@ uninstall_all() {
   remove_configuration
   run rm -rf "$home" "$cache"
   if [ -L "$command" ]; then run rm -f "$command"; fi
-  run rm -f "$state"/*.running
-  run rm -rf "$state/.cache"
+  run rm -rf "$state/unfinished" "$state/.cache"
   remove_if_empty "$configuration"
   remove_if_empty "$state"
   if [ -z "$root" ] && getent passwd farhand >/dev/null; then run userdel farhand; fi
