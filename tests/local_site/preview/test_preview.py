@@ -58,9 +58,10 @@ FOUND = ArmEstimate(
 LOST = ArmEstimate(0, TrackingStatus.LOST, "no arm in view")
 WITHOUT_RIGHTS = ["setpriv", "--bounding-set=-sys_nice"] if os.geteuid() == 0 else []
 CLOSING = """
-import os, sys, time
+import os, resource, time
 from local_site.preview.preview import PreviewConfig, PreviewProcess
 
+resource.setrlimit(resource.RLIMIT_NICE, (0, 0))
 process = PreviewProcess(PreviewConfig(), ())
 child = process._child.process
 while os.sched_getscheduler(child.pid) != os.SCHED_IDLE:
