@@ -72,6 +72,7 @@ install_all() {
     fail "Farhand needs Python 3.11 or newer: PYTHON=/path/to/python3.11 deploy/install.sh"
   "$python" -c 'import ensurepip' 2>/dev/null ||
     fail "Python lacks its venv module; on Debian: apt-get install python3-venv"
+  check_visible
   make_user
   copy_source
   make_environment
@@ -85,6 +86,16 @@ install_all() {
                                            (only for tracking.method = \"learned\")
   systemctl enable --now farhand-remote    (the robot's side)
   systemctl enable --now farhand-local     (the operator's side)"
+}
+
+check_visible() {
+  if [ -n "$root" ]; then return; fi
+  local prefix
+  prefix=$("$python" -c 'import os, sys; print(os.path.realpath(sys.base_prefix))')
+  case $prefix/ in
+    /home/* | /root/* | /run/user/*)
+      fail "home folders are hidden from the services, and this Python is in $prefix: PYTHON=/usr/bin/python3 deploy/install.sh" ;;
+  esac
 }
 
 make_user() {
@@ -172,18 +183,18 @@ uninstall_all() {
   remove_configuration
   run rm -rf "$home" "$cache"
   if [ -L "$command" ]; then run rm -f "$command"; fi
-  run rm -f "$state"/*.running
-  run rm -rf "$state/.cache"
+  run rm -rf "$state/unfinished" "$state/.cache"
   remove_if_empty "$configuration"
   remove_if_empty "$state"
-  if [ -z "$root" ] && getent passwd farhand >/dev/null; then run userdel farhand; fi
+  remove_user
 }
 
 remove_units() {
   local unit
   for unit in "$source"/farhand/deployment/systemd/*.service; do
     unit=$(basename "$unit")
-    if systemd_runs; then run systemctl --quiet disable "$unit"; fi
+    # An older release may lack it, and so does a second run.
+    if systemd_runs && [ -e "$units/$unit" ]; then run systemctl --quiet disable "$unit"; fi
     run rm -f "$units/$unit"
   done
   if systemd_runs; then run systemctl daemon-reload; fi
@@ -196,6 +207,16 @@ remove_configuration() {
     if is_untouched "$name"; then run rm -f "$configuration/$name"; fi
     run rm -f "$configuration/$name.new"
   done
+}
+
+# Whoever got its number next would own its keys and recordings.
+remove_user() {
+  if [ -n "$root" ] || ! getent passwd farhand >/dev/null; then return; fi
+  if [ -d "$configuration" ] || [ -d "$state" ]; then
+    echo "left: the user farhand, since files of it may be left"
+  else
+    run userdel farhand
+  fi
 }
 
 remove_if_empty() {

@@ -21,6 +21,8 @@ from common.process.service import StopFlag
 
 PR_SET_PDEATHSIG = 1
 PR_SET_NAME = 15
+END = signal.SIGUSR1  # from the parent alone, or from the kernel when the parent dies
+SENT_TO_ALL = (signal.SIGTERM, signal.SIGABRT)  # by systemd, at a stop and by its watchdog, to every process
 END_TIMEOUT_S = 1.5
 APART_S = 0.25  # until the next one is told to end
 KILL_TIMEOUT_S = 0.5
@@ -83,7 +85,7 @@ class Children:
     children: list[Child] = field(default_factory=list)
 
     def start(self, name: str, main: ChildMain, *, vital: bool = True) -> Child:
-        """Fork a child that runs `main`, shown by `ps` and `top` as farhand-NAME; SIGTERM comes when its parent dies.
+        """Fork a child that runs `main`, shown by `ps` as farhand-NAME; it is told to end when its parent dies.
 
         Fork before opening any session. What is not vital may die: that is logged once, and the others continue.
         """
@@ -135,8 +137,8 @@ class Children:
         """
         deadline = time.monotonic() + END_TIMEOUT_S
         for child in reversed(self.children):
-            if child.process.is_alive():
-                child.process.terminate()
+            if child.process.is_alive() and child.process.pid is not None:
+                os.kill(child.process.pid, END)
             child.process.join(APART_S)
         for child in reversed(self.children):
             child.process.join(max(0.0, deadline - time.monotonic()))
@@ -144,6 +146,17 @@ class Children:
                 structlog.get_logger().error("had to be killed", process=child.name)
                 child.process.kill()
                 child.process.join(KILL_TIMEOUT_S)
+
+
+def leave_stops_to_parent() -> None:
+    """Do nothing at a stop signal that came to all processes of the site: the parent alone knows in which order to end.
+
+    A handler, since programs that a robot's library starts would inherit that a signal is ignored.
+    """
+    for number in SENT_TO_ALL:
+        signal.signal(number, lambda *_: None)
+        signal.siginterrupt(number, False)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def die_with_parent(parent_pid: int, number: signal.Signals = signal.SIGTERM) -> None:
@@ -155,9 +168,9 @@ def die_with_parent(parent_pid: int, number: signal.Signals = signal.SIGTERM) ->
 
 def _run(name: str, main: ChildMain, heartbeat: Heartbeat, reason: EndReason, parent_pid: int) -> None:
     should_stop = StopFlag()
-    should_stop.install()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    die_with_parent(parent_pid)
+    should_stop.install((END,))
+    leave_stops_to_parent()
+    die_with_parent(parent_pid, END)
     ctypes.CDLL(None).prctl(PR_SET_NAME, f"farhand-{name}".encode())
     structlog.contextvars.bind_contextvars(process=name)
     try:

@@ -11,14 +11,14 @@ STOP_SIGNALS = (signal.SIGTERM, signal.SIGINT)
 
 
 class StopFlag:
-    """Set by SIGTERM or SIGINT; loops poll it or wait for it."""
+    """Set by a signal; loops poll it or wait for it."""
 
     def __init__(self) -> None:
         self._event = threading.Event()
 
-    def install(self) -> None:
-        """Catch the stop signals in this process; call from its main thread."""
-        for number in STOP_SIGNALS:
+    def install(self, signals: tuple[signal.Signals, ...] = STOP_SIGNALS) -> None:
+        """Catch the signals, SIGTERM and SIGINT by default, in this process; call from its main thread."""
+        for number in signals:
             signal.signal(number, lambda *_: self.set())
 
     def set(self) -> None:

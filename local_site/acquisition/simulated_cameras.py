@@ -17,7 +17,7 @@ import numpy as np
 from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import CameraError
-from common.process.children import die_with_parent
+from common.process.children import die_with_parent, leave_stops_to_parent
 from common.process.service import ask_for_real_time
 from local_site.acquisition.led_hand import LedHand
 from local_site.calibration.rig import Rig
@@ -164,7 +164,7 @@ class _RenderingProcess:
 
     def close(self) -> None:
         self.closed = True
-        self.process.terminate()
+        self.process.kill()
         self.process.join(END_WITHIN_S)
 
 
@@ -242,10 +242,9 @@ class SimulatedCamera:
 
 
 def _render_for_ever(loop: ExposureLoop, parent: int) -> None:
-    """The body of the process: ends with its parent, which alone handles Ctrl-C."""
+    """The body of the process: ends with its parent, which alone handles Ctrl-C and SIGTERM."""
     signal.set_wakeup_fd(-1)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    leave_stops_to_parent()
     die_with_parent(parent, signal.SIGKILL)
     # Zero and not one: one would wait for OpenCV's worker threads, which a forked process does not have.
     cv2.setNumThreads(0)

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Protocol
@@ -142,10 +143,12 @@ class PreviewProcess:
             structlog.get_logger().error(event, cure=cure)
 
     def close(self) -> None:
-        """End the process, scheduled like others so that it gets the processor to do so."""
+        """End the process, scheduled like others, where that is permitted, so that it gets the processor to do so."""
         process = self._child.process
         if process.pid is not None and process.is_alive():
-            os.sched_setscheduler(process.pid, os.SCHED_OTHER, os.sched_param(0))
+            # Without CAP_SYS_NICE or RLIMIT_NICE nobody leaves SCHED_IDLE; it then ends when a processor is idle.
+            with suppress(PermissionError):
+                os.sched_setscheduler(process.pid, os.SCHED_OTHER, os.sched_param(0))
         self._children.end()
 
 

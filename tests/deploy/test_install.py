@@ -121,8 +121,8 @@ def test_nobody_else_reads_the_file_for_the_consoles_token(scratch: Scratch) -> 
 def test_nothing_is_left_but_what_is_edited_or_not_ours(scratch: Scratch) -> None:
     scratch.run()
     state = scratch.root / "var/lib/farhand"
-    state.mkdir(parents=True)
-    (state / "farhand-999-cell-7447.running").touch()
+    (state / "unfinished" / "cell").mkdir(parents=True)  # as a remote site has left it that did not end in order
+    (state / "unfinished" / "cell" / "999").touch()
     (state / "recording.mcap").touch()
     (scratch.configuration / "remote.toml").write_text('cell = "mine"\n')
     (scratch.configuration / "rig.json").write_text("{}\n")

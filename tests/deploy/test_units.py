@@ -78,6 +78,10 @@ def test_the_local_site_sees_which_processor_it_has() -> None:
     assert "ProcSubset" not in unit_of("local")["Service"], "the landmarks' runtime reads /proc/cpuinfo"
 
 
+def test_the_local_site_may_schedule_its_idle_process_like_others_to_end_it() -> None:
+    assert unit_of("local")["Service"]["LimitNICE"] == "+0"
+
+
 def test_the_remote_sites_mark_lies_where_it_outlasts_a_power_cut() -> None:
     service = unit_of("remote")["Service"]
     assert service["StateDirectory"] == "farhand"

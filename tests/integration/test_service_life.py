@@ -31,6 +31,9 @@ def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_
     sites = pair.sites
     started = [p for site in processes for p in (site.pid, *descendants(site.pid))]
     for site in processes:
+        told = sites.systemd[site.pid].words
+        sites.wait("the watchdog to be fed", lambda told=told: len(told) > 5)
+    for site in processes:
         os.kill(site.pid, signal.SIGTERM)
     sites.wait("both to end", lambda: all(site.exit_code is not None for site in processes), END_S)
     assert [site.exit_code for site in processes] == [0, 0]
@@ -41,7 +44,6 @@ def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_
         told = sites.systemd[site.pid].words
         sites.wait("the last word", lambda told=told: told[-1] == "STOPPING=1", END_S)
         assert told[0] == "READY=1"
-        assert len(told) > 5
         assert set(told[1:-1]) == {"WATCHDOG=1"}
 
 

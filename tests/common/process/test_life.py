@@ -11,7 +11,7 @@ import pytest
 import common
 from common.clock import ClockOffset
 from common.errors import DriverError, ProcessError
-from common.process.children import ChildMain, Children, Heartbeat
+from common.process.children import SENT_TO_ALL, ChildMain, Children, Heartbeat
 from common.process.service import StopFlag, notify
 
 
@@ -91,6 +91,41 @@ def test_who_started_last_is_told_to_end_first_and_a_stubborn_one_does_not_keep_
     told = [int((tmp_path / name).read_text()) for name in reversed(names)]
     assert told == sorted(told)
     assert told[1] - told[0] >= 90_000_000
+
+
+@pytest.mark.parametrize("number", SENT_TO_ALL)
+def test_what_systemd_sends_to_every_process_of_a_service_is_left_to_its_main_one(number: signal.Signals) -> None:
+    children = Children("test")
+    child = children.start("worker", beating)
+    children.wait_ready(10.0, StopFlag())
+    os.kill(child.process.pid or 0, number)
+    beat = child.heartbeat.last_ns
+    deadline = time.monotonic() + 10.0
+    while child.heartbeat.last_ns < beat + 50_000_000 and time.monotonic() < deadline:
+        children.check()
+        time.sleep(0.01)
+    assert child.process.is_alive()
+    children.end()
+    assert child.process.exitcode == 0
+
+
+def test_a_child_whose_parent_is_killed_ends_in_order(tmp_path: Path) -> None:
+    def site(should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+        children = Children("test")
+        children.start("worker", lasting(tmp_path / "ended"))
+        children.wait_ready(10.0, should_stop)
+        heartbeat.beat()
+        should_stop.wait(60.0)
+
+    above = Children("above")
+    process = above.start("site", site).process
+    above.wait_ready(10.0, StopFlag())
+    process.kill()
+    process.join(10.0)
+    deadline = time.monotonic() + 10.0
+    while not (tmp_path / "ended").exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert (tmp_path / "ended").exists()
 
 
 def test_a_dead_child_is_an_error_with_its_name() -> None:

@@ -171,9 +171,10 @@ def test_a_dead_renderer_is_a_camera_error(cameras):
         list(iter(cameras.cameras[0].read, None))
 
 
-def test_ctrl_c_is_left_to_the_parent(cameras):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_stop_signal_is_left_to_the_parent(cameras, number):
     cameras.cameras[0].read()
-    os.kill(cameras._renderer.process.pid, signal.SIGINT)
+    os.kill(cameras._renderer.process.pid, number)
     assert all(cameras.cameras[0].read() is not None for _ in range(5))
 
 

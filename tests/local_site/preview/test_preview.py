@@ -1,5 +1,8 @@
 """Previews come at their pace, only for those who look, show what was found, and say so when there is nothing."""
 
+import os
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -53,6 +56,23 @@ FOUND = ArmEstimate(
     covariances={"wrist": 1e-5 * np.eye(3), "elbow": np.full((3, 3), np.inf)},
 )
 LOST = ArmEstimate(0, TrackingStatus.LOST, "no arm in view")
+WITHOUT_RIGHTS = ["setpriv", "--bounding-set=-sys_nice"] if os.geteuid() == 0 else []
+CLOSING = """
+import os, resource, time
+from local_site.preview.preview import PreviewConfig, PreviewProcess
+
+resource.setrlimit(resource.RLIMIT_NICE, (0, 0))
+process = PreviewProcess(PreviewConfig(), ())
+child = process._child.process
+while os.sched_getscheduler(child.pid) != os.SCHED_IDLE:
+    time.sleep(0.01)
+try:
+    os.sched_setscheduler(child.pid, os.SCHED_OTHER, os.sched_param(0))
+except PermissionError:
+    print("refused")
+process.close()
+print("ended", child.exitcode)
+"""
 
 
 @pytest.mark.parametrize("estimate", [FOUND, LOST])
@@ -176,6 +196,12 @@ def test_the_process_draws_what_it_is_given_and_ends():
     finally:
         process.close()
     assert not process._child.process.is_alive()
+
+
+def test_who_may_not_schedule_the_process_like_others_ends_it_all_the_same():
+    program = [*WITHOUT_RIGHTS, sys.executable, "-c", CLOSING]
+    done = subprocess.run(program, check=True, capture_output=True, text=True, timeout=60)
+    assert done.stdout.split("\n")[:2] == ["refused", "ended 0"]
 
 
 def test_a_dead_process_is_told_of_once_and_nobody_waits_for_it():

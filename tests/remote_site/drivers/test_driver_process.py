@@ -13,7 +13,7 @@ import pytest
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
-from common.process.children import Children
+from common.process.children import END, Children
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers import link as driver_link
@@ -221,7 +221,7 @@ def test_the_driver_process_told_to_end_leaves_the_arm_at_rest(make_rig, command
     rig = make_rig(simulated)
     commander(rig)
     rig.watch(lambda report: report.ready and report.sent.dq[0] > 1.5)
-    os.kill(rig.driver.process.pid, signal.SIGTERM)
+    os.kill(rig.driver.process.pid, END)
     rig.driver.process.join(30)
     assert rig.driver.process.exitcode == 0
     cell = rig.cell.reading.read()

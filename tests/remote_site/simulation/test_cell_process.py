@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from common.process.children import Children
+from common.process.children import END, Children
 from common.process.service import StopFlag
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation import process
@@ -118,7 +118,7 @@ def test_a_commander_that_comes_back_does_not_move_the_arm_unasked(moving):
 
 def test_told_to_end_the_cell_stops_the_arm_first(moving):
     rig, _ = moving
-    os.kill(rig.child.process.pid, signal.SIGTERM)
+    os.kill(rig.child.process.pid, END)
     rig.child.process.join(30)
     assert rig.child.process.exitcode == 0
     last = rig.memory.reading.read()
