@@ -7,6 +7,7 @@ the stop within the limits, and `run_checks` tries a driver on a `DriverStand` i
 from common.clock import Clock, FakeClock, MonotonicClock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
+from remote_site.drivers.conformance.machine_pauses import machine_pauses
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, GripperReading, JointCommand, RobotReading
@@ -40,6 +41,7 @@ __all__ = [
     "RobotFault",
     "RobotReading",
     "check_options",
+    "machine_pauses",
     "run_checks",
     "stopping",
 ]

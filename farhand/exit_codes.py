@@ -1,3 +1,3 @@
 """The command line's exit codes; 0 is done."""
 
-FAILED, MISUSE, INTERRUPTED = 1, 2, 130
+FAILED, MISUSE, UNDECIDED, INTERRUPTED = 1, 2, 3, 130  # undecided: nothing failed, and not all could be judged

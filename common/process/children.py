@@ -98,6 +98,11 @@ class Children:
         self.children.append(child)
         return child
 
+    @property
+    def numbers(self) -> list[int]:
+        """The process numbers of the children that were started."""
+        return [child.process.pid for child in self.children if child.process.pid is not None]
+
     def wait_ready(self, timeout_s: float, should_stop: StopFlag) -> None:
         """Wait for the first beat of every vital child; ProcessError when one dies or the time is up."""
         deadline = time.monotonic() + timeout_s

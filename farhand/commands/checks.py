@@ -7,7 +7,7 @@ import typer
 
 from common.config import load_config
 from farhand.commands.options import ConfigFile, Settings
-from farhand.exit_codes import FAILED
+from farhand.exit_codes import FAILED, UNDECIDED
 from farhand.terminal import say
 
 driver_app = typer.Typer(help="Check robot drivers.", no_args_is_help=True)
@@ -61,11 +61,17 @@ def run_suite(
 ) -> None:
     """Check a driver against everything that Farhand expects of one; it MOVES the gripper and every joint, one by 40°.
 
+    The exit code is 1 if a check failed, 3 if none did but this machine was too busy to judge some: repeat them.
+
     Example: farhand driver test kinematic
     """
     from remote_site.config import RemoteConfig
+    from remote_site.drivers.conformance.verdicts import Verdict
     from remote_site.runtime.conformance import test_driver
 
     loaded = load_config(RemoteConfig, config, [*(settings or ()), f"driver.name={name}"])
-    if not test_driver(loaded, say):
+    verdicts = test_driver(loaded, say)
+    if Verdict.FAILED in verdicts:
         raise typer.Exit(FAILED)
+    if Verdict.REPEAT in verdicts:
+        raise typer.Exit(UNDECIDED)

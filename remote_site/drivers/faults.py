@@ -1,5 +1,6 @@
 """Why a robot takes no commands: every fault's code, and whether the robot only waits to be activated."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -73,3 +74,10 @@ NOT_ACTIVATED = RobotFault(FaultCode.NOT_ACTIVATED, "not activated yet")
 STOPPED = RobotFault(FaultCode.STOPPED, "stopped; activate again")
 STILL_MOVING = RobotFault(FaultCode.REFUSED, "the arm still moves; activate it when it rests")
 APART = RobotFault(FaultCode.APART, "the arm is not where it was activated; read it and activate there")
+
+
+def apart(names: Sequence[str], given: Sequence[float], read: Sequence[float]) -> RobotFault:
+    """The fault of an arm that is read elsewhere than it was activated, both in rad, with the joint farthest off."""
+    name, wanted, found = max(zip(names, given, read, strict=True), key=lambda joint: abs(joint[2] - joint[1]))
+    where = f"the arm is not where it was activated: {name} is at {found:.3f} rad, not {wanted:.3f} rad"
+    return RobotFault(FaultCode.APART, f"{where}; read it and activate there")

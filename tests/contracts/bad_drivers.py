@@ -10,7 +10,7 @@ from common.clock import NS_PER_MS, FakeClock
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
-from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.drivers.faults import APART, FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
 from remote_site.kinematics.joints import JointMotion
 
@@ -161,6 +161,50 @@ class Slow(KinematicDriver):
         return super().read()
 
 
+class SlowToStop(KinematicDriver):
+    """Waits for its robot when it stops."""
+
+    def __init__(self, clock: FakeClock) -> None:
+        super().__init__(clock)
+        self._fake_clock = clock
+
+    def stop(self) -> None:
+        self._fake_clock.advance_ms(80 if self._stop_ns is None else 0)
+        super().stop()
+
+
+class SlowFreezer(SlowToStop):
+    """Stands still at once when it has waited for its robot."""
+
+    def stop(self) -> None:
+        if self._stop_ns is None and self._sent is not None:
+            self._sent = replace(self._sent, dq=np.zeros(6), ddq=np.zeros(6))
+        super().stop()
+
+
+class SlowTwice(Slow):
+    """Waits for its robot in every command, too."""
+
+    def write(self, command: JointCommand) -> JointCommand:
+        self._fake_clock.advance_ms(55)
+        return super().write(command)
+
+
+class Hiccup(KinematicDriver):
+    """Takes long for one command, the fiftieth in motion."""
+
+    count = 0
+
+    def __init__(self, clock: FakeClock) -> None:
+        super().__init__(clock)
+        self._fake_clock = clock
+
+    def write(self, command: JointCommand) -> JointCommand:
+        self.count += bool(command.dq.any())
+        self._fake_clock.advance_ms(70 if self.count == 50 else 0)
+        return super().write(command)
+
+
 class Broken(KinematicDriver):
     """Raises what it likes."""
 
@@ -215,6 +259,27 @@ class Mirrored(KinematicDriver):
         q = self.home + ways * (command.q - self.home)
         super().write(replace(command, q=q, dq=ways * command.dq, ddq=ways * command.ddq))
         return command
+
+
+class UnlikeInSign(KinematicDriver):
+    """Sends two joints with another sign than it reads them with."""
+
+    ways = np.array([1, -1, -1, 1, 1, 1])
+
+    def activate(self, q0: Array) -> None:
+        super().activate(self.ways * q0)
+
+    def write(self, command: JointCommand) -> JointCommand:
+        super().write(replace(command, q=self.ways * command.q, dq=self.ways * command.dq))
+        return command
+
+
+class Displaced(KinematicDriver):
+    """Its robot refuses to be activated where it was read."""
+
+    def read(self) -> RobotReading:
+        reading = super().read()
+        return replace(reading, fault=APART) if self._sent is not None else reading
 
 
 class Freezer(KinematicDriver):

@@ -6,7 +6,7 @@ import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.robot import GripperCommand
-from remote_site.drivers.conformance.trial import DriverStand
+from remote_site.drivers.conformance.trial import DriverStand, NoMark
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.orders import DriverOrder
@@ -28,11 +28,6 @@ class Stop:
     robot_rad: float
     behind_rad: float
     beyond_rad: float
-
-
-class NoMark:
-    def set(self, since_ns: int) -> None:
-        pass
 
 
 def approach(speed: float, jerk: float, *, accelerating: bool) -> list[JointMotion]:

@@ -144,7 +144,7 @@ def test_a_driver_that_does_not_keep_the_gripper_fails_in_nothing_else(bad):
         (Portless, "configure is refused: the port is not there; plug it in"),
         (Broken, "configure raised KeyError"),
         (Quitter, "configure raised SystemExit: 3"),
-        (Deaf, "not ready 5 s after its activation: robot (E7): no"),
+        (Deaf, "not ready after its activation: robot (E7): no"),
         (Blocked, "deadline: write did not return"),
     ],
 )

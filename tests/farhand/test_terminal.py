@@ -13,6 +13,7 @@ from farhand.doctor.findings import as_text, warning
 from farhand.loopback.display import LiveSummary
 from farhand.loopback.recorder import Record
 from farhand.terminal import complain, say
+from remote_site.drivers.conformance.verdicts import Verdict
 from tests.common.messages.golden_examples import HAND, STATE
 
 SAID = "no \x1b[31m\x07\r\u202eredro [/nothing] \nfarhand: engaged"
@@ -59,10 +60,10 @@ def test_a_refusal_is_one_harmless_line(
 def test_a_driver_under_test_says_harmless_lines(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def test_driver(config: object, report: Callable[[str], None]) -> bool:
+    def test_driver(config: object, report: Callable[[str], None]) -> list[Verdict]:
         assert config is not None
         report(SAID)
-        return True
+        return [Verdict.PASSED]
 
     monkeypatch.setattr("remote_site.runtime.conformance.test_driver", test_driver)
     run(("driver", "test", "kinematic"), monkeypatch)

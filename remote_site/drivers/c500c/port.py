@@ -1,6 +1,8 @@
 """A non-blocking serial port, raw 8N1: reads what has arrived, writes what the line takes."""
 
+import fcntl
 import os
+import struct
 import termios
 from typing import Protocol
 
@@ -22,10 +24,15 @@ class SerialPort:
         self._handle = handle
 
     def read(self) -> bytes:
-        """What has arrived, b"" without anything; DriverError when the device is gone."""
+        """What has arrived, b"" without anything; DriverError when the device is gone.
+
+        Bytes are counted first: to read or poll an empty line waits for the kernel's worker that moves its bytes, even
+        of a non-blocking device, and on a busy machine that takes longer than a call may.
+        """
         try:
-            return os.read(self._handle, 4096)
-        except BlockingIOError:
+            waiting = struct.unpack("i", fcntl.ioctl(self._handle, termios.FIONREAD, bytes(4)))[0]
+            return os.read(self._handle, waiting) if waiting else b""
+        except BlockingIOError:  # another program has read them
             return b""
         except OSError as error:
             raise DriverError(f"the serial line is gone: {error.strerror}") from error

@@ -1,4 +1,4 @@
-"""The driver under test: names the call that raises, returns the wrong type or never returns."""
+"""The driver under test: names the call that raises, returns the wrong type, is slow or never returns."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -6,6 +6,7 @@ from typing import TypeVar
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError
 from common.geometry import Array
+from remote_site.drivers.conformance.call_watch import CallWatch
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading
 
 T = TypeVar("T")
@@ -46,10 +47,10 @@ class CallMonitor:
 
 
 class DriverUnderTest:
-    """A `Driver` that passes every call on to the one under test."""
+    """A `Driver` that passes every call on to the one under test, and times those that come while the robot runs."""
 
-    def __init__(self, make: Callable[[], Driver], monitor: CallMonitor) -> None:
-        self._monitor = monitor
+    def __init__(self, make: Callable[[], Driver], monitor: CallMonitor, watch: CallWatch) -> None:
+        self._monitor, self._watch = monitor, watch
         self._driver = monitor.call("its construction", make)
         self._joints: int | None = None
 
@@ -65,23 +66,26 @@ class DriverUnderTest:
 
     def activate(self, q0: Array) -> None:
         """Activate the driver."""
-        self._monitor.call("activate", lambda: self._driver.activate(q0))
+        self._timed("activate", lambda: self._driver.activate(q0))
 
     def read(self) -> RobotReading:
         """A reading with as many joints as the model has."""
-        return self._monitor.call("read", self._read)
+        return self._timed("read", self._read)
 
     def write(self, command: JointCommand) -> JointCommand:
         """Pass a command on."""
-        return self._monitor.call("write", lambda: _of(JointCommand, self._driver.write(command)))
+        return self._timed("write", lambda: _of(JointCommand, self._driver.write(command)))
 
     def stop(self) -> None:
         """Stop the driver."""
-        self._monitor.call("stop", self._driver.stop)
+        self._timed("stop", self._driver.stop)
 
     def deactivate(self) -> None:
         """End the driver."""
         self._monitor.call("deactivate", self._driver.deactivate)
+
+    def _timed(self, name: str, call: Callable[[], T]) -> T:
+        return self._monitor.call(name, lambda: self._watch.call(name, call))
 
     def _read(self) -> RobotReading:
         reading = _of(RobotReading, self._driver.read())

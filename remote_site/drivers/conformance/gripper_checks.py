@@ -20,7 +20,8 @@ def gripper(trial: Trial) -> None:
     narrow_m = _commanded(trial, GripperCommand.CLOSED)
     if wide_m - narrow_m < MOVES_M:
         raise Failed(
-            f"the gripper is {1000 * wide_m:.1f} mm wide when commanded to open, {1000 * narrow_m:.1f} to close"
+            f"the gripper is {1000 * wide_m:.1f} mm wide when commanded to open and {1000 * narrow_m:.1f} mm to close, "
+            f"at least {1000 * MOVES_M:g} mm of difference is expected"
         )
 
 
@@ -41,7 +42,7 @@ def _skip_without_gripper(trial: Trial) -> None:
 
 def _opening_m(log: Sequence[RobotReading]) -> float:
     if not log or log[-1].gripper is None:
-        raise Failed("its gripper is not measured")
+        raise Failed("its gripper is read as None, an opening is expected")
     return log[-1].gripper.opening_m
 
 
@@ -65,11 +66,13 @@ def _keeps(trial: Trial, opening_m: float) -> None:
 
 def _rest(trial: Trial, ms: float, command: GripperCommand) -> None:
     trial.move(trial.supervisor.commanded.motion.q, ms, command)
-    if not trial.ready:
-        raise Failed(f"it stopped: {trial.supervisor.fault}")
+    trial.must_be_ready()
 
 
 def _kept(trial: Trial, opening_m: float, what: str) -> None:
     now_m = _opening_m(trial.log)
     if abs(now_m - opening_m) > KEEPS_M:
-        raise Failed(f"the gripper went from {1000 * opening_m:.1f} to {1000 * now_m:.1f} mm {what}")
+        raise Failed(
+            f"the gripper went from {1000 * opening_m:.1f} to {1000 * now_m:.1f} mm {what}, it is expected to stay "
+            f"within {1000 * KEEPS_M:g} mm"
+        )

@@ -2,58 +2,65 @@
 
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from enum import Enum
 
 from common.clock import NS_PER_S, MonotonicClock
 from common.errors import DriverError
+from remote_site.drivers.conformance.call_watch import CallWatch
 from remote_site.drivers.conformance.checks import CHECKS, Check
 from remote_site.drivers.conformance.driver_under_test import CallMonitor
-from remote_site.drivers.conformance.trial import DriverStand, Failed, Hopeless, Skipped, Trial, as_sentence
+from remote_site.drivers.conformance.trial import DriverStand, Failed, Hopeless, Skipped, TooSlow, Trial, as_sentence
+from remote_site.drivers.conformance.verdicts import ATTEMPTS, Attempt, CheckResult, Verdict, judge
+from remote_site.drivers.faults import FaultCode
 
 CALL_S = 5.0  # of a call that has 50 ms: it will not return
 CHECK_S = 180.0
 LOOK_S = 0.1
 
 
-class Verdict(Enum):
-    """The outcome of a check."""
-
-    PASSED = "passed"
-    SKIPPED = "skipped"
-    FAILED = "FAILED"
-
-
-@dataclass(frozen=True, slots=True)
-class CheckResult:
-    """A check's verdict on a driver, and why; after the `last` no other check can run."""
-
-    verdict: Verdict
-    sentence: str
-    last: bool = False
-
-
 def run_checks(
     stand: DriverStand, report: Callable[[str], None], checks: Sequence[Check] = CHECKS, call_s: float = CALL_S
 ) -> list[str]:
-    """Run every check and report a line for each; the names of those that failed. A call is given up after `call_s`."""
-    failed: list[str] = []
+    """Run every check and report a line for each; the names of those that failed or have to be repeated.
+
+    A call is given up after `call_s`.
+    """
+    verdicts = verdicts_of(stand, report, checks, call_s)
+    return [name for name, verdict in verdicts.items() if verdict in (Verdict.FAILED, Verdict.REPEAT)]
+
+
+def verdicts_of(
+    stand: DriverStand, report: Callable[[str], None], checks: Sequence[Check] = CHECKS, call_s: float = CALL_S
+) -> dict[str, Verdict]:
+    """Run every check and report a line for each; the verdicts by the checks' names."""
+    verdicts: dict[str, Verdict] = {}
+    reported: dict[str, str] = {}  # the check in which a slow call was reported, by the call's name
     for check in checks:
-        result = _result(check, stand, call_s)
+        result = _repeated(check, stand, call_s, reported)
         report(f"{result.verdict.value:<8}{check.__name__.replace('_', ' '):<20} {result.sentence}")
-        if result.verdict is Verdict.FAILED:
-            failed.append(check.__name__)
+        verdicts[check.__name__] = result.verdict
         if result.last:
             report("No other check can run before this is fixed.")
             break
-    return failed
+    return verdicts
 
 
-def _result(check: Check, stand: DriverStand, call_s: float) -> CheckResult:
-    """The result of a thread, which is abandoned when a call of the driver does not return."""
+def _repeated(check: Check, stand: DriverStand, call_s: float, reported: dict[str, str]) -> CheckResult:
+    """The verdict on a check, repeated while the machine's pauses leave it open."""
+    for _ in range(ATTEMPTS):
+        attempt = _watched(check, stand, call_s)
+        result = judge(attempt, reported)
+        if result.verdict is not Verdict.REPEAT:
+            break
+    if result.verdict is Verdict.FAILED:
+        reported |= {call.name: check.__name__ for call in attempt.slow}
+    return result
+
+
+def _watched(check: Check, stand: DriverStand, call_s: float) -> Attempt:
+    """The attempt of a thread, which is abandoned when a call of the driver does not return."""
     monitor, clock = CallMonitor(), MonotonicClock()
-    results: list[CheckResult] = []
-    worker = threading.Thread(target=lambda: results.append(_tried(check, stand, monitor)), name="check", daemon=True)
+    attempts: list[Attempt] = []
+    worker = threading.Thread(target=lambda: attempts.append(_tried(check, stand, monitor)), name="check", daemon=True)
     end_ns = clock.now_ns() + round(CHECK_S * NS_PER_S)
     worker.start()
     while worker.is_alive():
@@ -62,26 +69,44 @@ def _result(check: Check, stand: DriverStand, call_s: float) -> CheckResult:
         if call or late:
             monitor.give_up()
             why = f"deadline: {call} did not return" if call else f"it did not end within {CHECK_S:g} s"
-            return CheckResult(Verdict.FAILED, why, last=True)
-    return results[0]
+            return Attempt(CheckResult(Verdict.FAILED, why, last=True))
+    return attempts[0]
 
 
-def _tried(check: Check, stand: DriverStand, monitor: CallMonitor) -> CheckResult:
-    try:
-        trial = Trial(stand, monitor)
-    except (Exception, SystemExit) as error:  # an installed driver may raise anything
-        return CheckResult(Verdict.FAILED, as_sentence(monitor.raised or "its construction", error), last=True)
+def _tried(check: Check, stand: DriverStand, monitor: CallMonitor) -> Attempt:
+    with stand.measure_pauses() as meter:
+        watch = CallWatch(stand.clock, meter)
+        try:
+            trial = Trial(stand, monitor, watch)
+        except (Exception, SystemExit) as error:  # an installed driver may raise anything
+            sentence = as_sentence(monitor.raised or "its construction", error)
+            return Attempt(CheckResult(Verdict.FAILED, sentence, last=True))
+        try:
+            return _attempt(check, trial, monitor)
+        finally:
+            _end(trial)
+
+
+def _attempt(check: Check, trial: Trial, monitor: CallMonitor) -> Attempt:
     try:
         check(trial)
     except Skipped as skipped:
-        return CheckResult(Verdict.SKIPPED, str(skipped))
+        return Attempt(CheckResult(Verdict.SKIPPED, str(skipped)))
     except (Failed, DriverError) as error:
-        return CheckResult(Verdict.FAILED, str(error), last=isinstance(error, Hopeless))
+        trial.watch.note_pause()
+        fault = trial.supervisor.fault
+        late = isinstance(error, TooSlow) or (fault is not None and fault.code is FaultCode.DEADLINE)
+        return Attempt(
+            CheckResult(Verdict.FAILED, str(error), last=isinstance(error, Hopeless)),
+            excusable=True,
+            by_deadline=late,
+            slow=tuple(trial.watch.slow.values()),
+            pause_ns=trial.watch.longest_pause_ns,
+        )
     except (Exception, SystemExit) as error:
-        return CheckResult(Verdict.FAILED, as_sentence(monitor.raised or "a check that used what it returned", error))
-    finally:
-        _end(trial)
-    return CheckResult(Verdict.PASSED, (check.__doc__ or "").strip())
+        sentence = as_sentence(monitor.raised or "a check that used what it returned", error)
+        return Attempt(CheckResult(Verdict.FAILED, sentence))
+    return Attempt(CheckResult(Verdict.PASSED, (check.__doc__ or "").strip()))
 
 
 def _end(trial: Trial) -> None:

@@ -9,12 +9,16 @@ from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
 from common.messages.robot import GripperCommand
+from remote_site.drivers.conformance.call_watch import CallWatch
 from remote_site.drivers.conformance.driver_under_test import CallMonitor, DriverUnderTest
+from remote_site.drivers.conformance.joint_sentences import positions, unlike_in_sign, wrong_way
+from remote_site.drivers.conformance.machine_pauses import MeasurePauses, no_pauses
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
+from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.orders import DriverOrder
 from remote_site.drivers.supervisor.state import ACTIVE, SupervisorState
-from remote_site.drivers.supervisor.supervisor import DriverSupervisor
+from remote_site.drivers.supervisor.supervisor import APART_RAD, DriverSupervisor
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 
@@ -35,6 +39,10 @@ class Hopeless(Failed):
     """A failure that every other check would repeat."""
 
 
+class TooSlow(Failed):
+    """Calls that took too long, and nothing else."""
+
+
 class Skipped(Exception):  # noqa: N818  # a check's verdict, not an error of the program
     """Why the check does not apply to this driver."""
 
@@ -48,27 +56,23 @@ def as_sentence(call: str, error: BaseException) -> str:
 
 @dataclass(frozen=True, slots=True)
 class DriverStand:
-    """A test stand: its clock, what makes a driver, and the posture in which the robot starts."""
+    """A test stand: its clock, what makes a driver, and the posture in which the robot starts.
+
+    `measure_pauses` is for a clock of real time, so that pauses of the machine are not taken for the driver's.
+    """
 
     clock: Clock
     setup: DriverSetup
     make: Callable[[], Driver]
     start: Array
+    measure_pauses: MeasurePauses = no_pauses
 
 
-class Timer:
-    """Keeps the longest call."""
-
-    def __init__(self, clock: Clock) -> None:
-        self._clock = clock
-        self._since_ns = 0
-        self.longest_ns = 0
+class NoMark:
+    """The mark of a call that no other process looks at."""
 
     def set(self, since_ns: int) -> None:
-        """Note the start of a call, or its end by 0."""
-        if not since_ns:
-            self.longest_ns = max(self.longest_ns, self._clock.now_ns() - self._since_ns)
-        self._since_ns = since_ns
+        """Nothing; the calls of a driver under test are timed by `CallWatch`."""
 
 
 def gentle(setup: DriverSetup) -> DriverSetup:
@@ -80,15 +84,15 @@ def gentle(setup: DriverSetup) -> DriverSetup:
 class Trial:
     """One driver, from construction to deactivation, behind the supervisor that its process has."""
 
-    def __init__(self, stand: DriverStand, monitor: CallMonitor) -> None:
-        self.clock = stand.clock
+    def __init__(self, stand: DriverStand, monitor: CallMonitor, watch: CallWatch) -> None:
+        self.clock, self.watch = stand.clock, watch
         self.setup = gentle(stand.setup)
-        self.driver = DriverUnderTest(stand.make, monitor)
-        self.timer = Timer(stand.clock)
-        self.supervisor = DriverSupervisor(self.driver, self.setup, stand.clock, self.timer, GripWatch(GripSettings()))
+        self.driver = DriverUnderTest(stand.make, monitor, watch)
+        self.supervisor = DriverSupervisor(self.driver, self.setup, stand.clock, NoMark(), GripWatch(GripSettings()))
         self.log: list[RobotReading] = []
         self.commanded: list[tuple[int, Array]] = []  # time in ns and joints at each reading of the log
         self._start = stand.start
+        self._way = stand.start, stand.start  # of the last motion that was commanded, from and to
         self._activation = self._seq = 0
         self._follower = JerkLimitedTracker(self.setup.limits, self.setup.dt)
         self.side = 1.0
@@ -102,6 +106,11 @@ class Trial:
     def ready(self) -> bool:
         """The robot takes commands."""
         return self.supervisor.state in ACTIVE
+
+    @property
+    def first_joint(self) -> str:
+        """The name of the joint that is moved at speed."""
+        return self.setup.joint_names[0]
 
     @property
     def q0(self) -> Array:
@@ -136,9 +145,9 @@ class Trial:
     def activate(self) -> None:
         """Activate, and wait until the robot is ready."""
         self._activation += 1
-        zero = np.zeros(len(self.q0))
-        command = JointCommand(self._seq, self.clock.now_ns(), self.q0, zero, zero, GripperCommand.KEEP)
-        self._follower.reset(JointMotion.at_rest(self.q0))
+        given, zero = self.q0, np.zeros(len(self.q0))
+        command = JointCommand(self._seq, self.clock.now_ns(), given, zero, zero, GripperCommand.KEEP)
+        self._follower.reset(JointMotion.at_rest(given))
         self.run(STEP_MS, [DriverOrder(self._activation, True, self.supervisor.commanded.stop_count, command)])
         for _ in range(READY_MS // STEP_MS):
             if self.supervisor.state is not SupervisorState.ACTIVATING:
@@ -146,7 +155,7 @@ class Trial:
             self.run(STEP_MS)
         if not self.ready:
             kind = Hopeless if self._activation == 1 else Failed
-            raise kind(f"not ready {READY_MS / 1000:g} s after its activation: {self.supervisor.fault}")
+            raise kind(self._not_ready(given))
 
     def run(self, ms: float, orders: list[DriverOrder] | None = None) -> None:
         """Let time pass, with the driver called as by its process."""
@@ -159,14 +168,17 @@ class Trial:
             if self.supervisor.reading is not None:
                 self.log.append(self.supervisor.reading)
                 self.commanded.append((self.clock.now_ns(), self.supervisor.commanded.motion.q))
+            self.watch.note_pause()
 
     def move(self, target: Array, ms: float, gripper: GripperCommand = GripperCommand.KEEP) -> None:
         """Command motion to `target` for `ms`, and the gripper, one command a tick."""
+        self._way = self.q0, target
         for _ in range(round(ms / 1000 / self.setup.dt)):
             self._follower.reset(self.supervisor.commanded.motion)
             motion = self._follower.track(JointMotion.at_rest(target))
             if not isinstance(motion, JointMotion):
-                raise Failed(f"no trajectory to {target}: {motion.sentence}")
+                where = positions(self.setup.joint_names, target)
+                raise Failed(f"no trajectory to {where}: {motion.sentence}")
             self.command(motion, gripper)
 
     def command(self, motion: JointMotion, gripper: GripperCommand = GripperCommand.KEEP) -> None:
@@ -183,9 +195,19 @@ class Trial:
     def in_motion(self) -> "Trial":
         """The same, its first joint at speed."""
         self.move(self.goal(STROKE_RAD), 500)
-        if not self.ready:
-            raise Failed(f"fails in motion: {self.supervisor.fault}")
+        self.must_be_ready()
         return self
+
+    def must_be_ready(self) -> None:
+        """Failed with its fault, and the joints that have moved the wrong way, if the robot takes no commands."""
+        if not self.ready:
+            wrong = self.wrong_way()
+            stopped = f"it stopped: {self.supervisor.fault}"
+            raise Failed(f"{wrong}; {stopped}" if wrong else stopped)
+
+    def wrong_way(self) -> str:
+        """Which joints have gone the wrong way in the last motion, "" without one."""
+        return wrong_way(self.setup.joint_names, *self._way, self.q0)
 
     def goal(self, ahead_rad: float) -> Array:
         """The posture with the first joint ahead by this angle."""
@@ -226,4 +248,17 @@ class Trial:
             call()
         except DriverError:
             return
-        raise Failed(f"{what} is not refused with a DriverError")
+        raise Failed(f"{what} raised nothing, where a DriverError is expected")
+
+    def _not_ready(self, given: Array) -> str:
+        """Why the robot takes no commands after it was activated at `given` (n,) in rad."""
+        fault, waited = self.supervisor.fault, self.supervisor.state is SupervisorState.ACTIVATING
+        sentence = f"not ready {f'{READY_MS / 1000:g} s ' if waited else ''}after its activation: {fault}"
+        if fault is None or fault.code is not FaultCode.APART:
+            return sentence
+        names, read = self.setup.joint_names, self.last().q
+        if np.abs(read - given).max() <= APART_RAD:
+            asks = "does activate send each joint with the sign, zero and unit of read?"
+            return f"{sentence}; it was activated where it was read, at {positions(names, given)}: {asks}"
+        unlike = unlike_in_sign(names, given, read)
+        return f"{unlike}; {sentence}" if unlike else sentence

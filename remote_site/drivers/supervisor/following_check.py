@@ -43,20 +43,29 @@ class FollowingCheck:
 
     def excess(self, q: Array) -> Array:
         """How far each measured joint (n,) is outside what was written within the lag, rad; negative inside."""
-        written = np.array([each for _, each in self._written])
-        beyond: Array = np.maximum(written.min(axis=0) - q, q - written.max(axis=0))
+        least, greatest = self._hull()
+        beyond: Array = np.maximum(least - q, q - greatest)
         return beyond
+
+    def outside(self, q: Array) -> str:
+        """Which measured joint (n,) in rad is farthest outside what was written within the lag, and where both are."""
+        k, (least, greatest) = int(self.excess(q).argmax()), self._hull()
+        commanded = f"{least[k]:.3f} to {greatest[k]:.3f} rad was commanded"
+        return (
+            f"{self._names[k]} is {self.excess(q)[k]:.2f} rad from all that was commanded in the last "
+            f"{self.lag_ns / NS_PER_MS:.0f} ms, its longest lag: it is at {q[k]:.3f} rad where {commanded}"
+        )
 
     def judge(self, q: Array, now_ns: int) -> RobotFault | None:
         """The fault NOT_FOLLOWING once a measured joint was too far outside for too long."""
-        excess = self.excess(q)
-        k = int(excess.argmax())
-        if excess[k] <= TOLERANCE_RAD:
+        if self.excess(q).max() <= TOLERANCE_RAD:
             self._apart_ns = None
             return None
         self._apart_ns = now_ns if self._apart_ns is None else self._apart_ns
         if now_ns - self._apart_ns < PATIENCE_NS:
             return None
-        where = f"{self._names[k]} is {excess[k]:.2f} rad from all that was commanded in the last"
-        cure = "find out what holds the arm"
-        return RobotFault(FaultCode.NOT_FOLLOWING, f"{where} {self.lag_ns / NS_PER_MS:.0f} ms, its longest lag; {cure}")
+        return RobotFault(FaultCode.NOT_FOLLOWING, f"{self.outside(q)}; find out what holds the arm")
+
+    def _hull(self) -> tuple[Array, Array]:
+        written = np.array([each for _, each in self._written])
+        return written.min(axis=0), written.max(axis=0)

@@ -7,7 +7,7 @@ import numpy as np
 from common.clock import Clock
 from common.geometry import Array
 from remote_site.drivers.driver import Driver, DriverSetup, JointCommand, RobotReading
-from remote_site.drivers.faults import APART, NOT_ACTIVATED, STILL_MOVING, STOPPED, FaultCode, RobotFault
+from remote_site.drivers.faults import NOT_ACTIVATED, STILL_MOVING, STOPPED, FaultCode, RobotFault, apart
 from remote_site.drivers.supervisor.commanded_motion import CommandedMotion
 from remote_site.drivers.supervisor.following_check import FollowingCheck
 from remote_site.drivers.supervisor.grip import GripWatch
@@ -33,6 +33,7 @@ class DriverSupervisor:
         capabilities = driver.capabilities
         readings = ReadingCheck(capabilities, setup)
         self.oldest_ns = readings.oldest_ns
+        self._names = setup.joint_names
         self._driver = WatchedDriver(driver, clock, mark, readings)
         self._watchdog, self._following = CommandWatchdog(setup), FollowingCheck(capabilities, setup.joint_names)
         self._writer = PacedWriter(self._driver, capabilities, setup)
@@ -141,7 +142,7 @@ class DriverSupervisor:
         self.reading = reading
         if reading.moving:
             return STILL_MOVING
-        return None if np.abs(reading.q - q0).max() <= APART_RAD else APART
+        return self._apart(q0, reading.q)
 
     def _read(self, now_ns: int) -> None:
         reading = self._driver.read()
@@ -163,12 +164,17 @@ class DriverSupervisor:
 
     def _answer(self, reading: RobotReading) -> None:
         """End the activation when the robot has answered it."""
-        if reading.fault is None and np.abs(reading.q - self.commanded.motion.q).max() > APART_RAD:
-            self._fail(APART)
+        elsewhere = self._apart(self.commanded.motion.q, reading.q)
+        if reading.fault is None and elsewhere is not None:
+            self._fail(elsewhere)
         elif reading.fault is None:
             self.state, self.fault = SupervisorState.FOLLOWING, None
         elif not reading.fault.calm:
             self.state, self.fault = SupervisorState.HELD, reading.fault
+
+    def _apart(self, given: Array, read: Array) -> RobotFault | None:
+        near = np.abs(read - given).max() <= APART_RAD  # false where a position is not a number
+        return None if near else apart(self._names, given.tolist(), read.tolist())
 
     def _fail(self, fault: RobotFault) -> None:
         """Latch a fault; a driven robot can no longer be led to rest and has to stop by itself."""

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS
 from common.messages.robot import GripperCommand
-from remote_site.drivers.c500c.emulation import EmulatedLine, Terminal
-from remote_site.drivers.c500c.port import open_port
+from remote_site.drivers.c500c.emulation import EmulatedLine
 from remote_site.drivers.c500c.protocol import (
     Activation,
     ControllerState,
@@ -85,13 +84,3 @@ def test_bytes_take_their_time():
     line.push(b"x" * 36, 0)
     assert len(line.pull(3 * NS_PER_MS)) == 17
     assert len(line.pull(7 * NS_PER_MS)) == 19
-
-
-def test_a_terminal_carries_bytes_as_they_are():
-    terminal = Terminal.create()
-    port, far = open_port(terminal.path, 57600), terminal.port
-    port.write(bytes(range(256)))
-    assert far.read() == bytes(range(256))
-    far.write(b"\r\n\x03\x04\xa5")
-    assert port.read() == b"\r\n\x03\x04\xa5"
-    assert port.read() == b""

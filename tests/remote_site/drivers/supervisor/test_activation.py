@@ -57,3 +57,10 @@ def test_an_activation_fails_while_the_robots_fault_lasts(rig: Supervised) -> No
     rig.turn()
     assert rig.fault().code is FaultCode.EMERGENCY_STOP
     assert rig.supervisor.state in INACTIVE
+
+
+def test_an_arm_is_not_activated_at_what_is_no_position(rig: Supervised) -> None:
+    activations = rig.robot.activations
+    rig.activate(START * float("nan"))
+    assert rig.fault().code is FaultCode.APART
+    assert rig.robot.activations == activations

@@ -8,7 +8,7 @@ import pytest
 
 from common.clock import NS_PER_MS
 from common.errors import DriverError
-from remote_site.drivers.faults import APART, NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
+from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.supervisor.following_check import PATIENCE_NS
 from remote_site.drivers.supervisor.state import DRIVEN, SupervisorState
 from remote_site.kinematics.joints import JointMotion
@@ -47,8 +47,9 @@ def unread(rig: Supervised) -> None:
 
 def elsewhere(rig: Supervised) -> None:
     activations = rig.robot.activations
-    rig.activate(START + 0.06)
-    assert rig.fault() is APART
+    rig.activate(START + 0.06 * np.eye(6)[3])
+    assert rig.fault().code is FaultCode.APART
+    assert "joint_4 is at 0.000 rad, not 0.060 rad" in rig.fault().sentence
     assert rig.robot.activations == activations
 
 

@@ -1,0 +1,73 @@
+"""How `farhand driver test` ends: 1 where a check failed, 3 where none did but some have to be repeated."""
+
+import gc
+import sys
+from collections.abc import Callable, Iterator, Sequence
+
+import pytest
+import structlog
+
+from common.config import load_config
+from common.process.log import finish_log
+from farhand.cli import main
+from remote_site.config import RemoteConfig
+from remote_site.drivers.conformance.trial import DriverStand
+from remote_site.drivers.conformance.verdicts import Verdict
+from remote_site.runtime import conformance
+
+PASSED, SKIPPED, FAILED, REPEAT, SUFFERS = Verdict
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "code"),
+    [
+        ([PASSED, SKIPPED], 0),
+        ([PASSED, FAILED, SUFFERS], 1),
+        ([PASSED, REPEAT], 3),
+        ([REPEAT, FAILED], 1),
+    ],
+)
+def test_the_exit_code_tells_what_failed_from_what_nothing_is_known_of(
+    verdicts: Sequence[Verdict], code: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(conformance, "test_driver", lambda *_: verdicts)
+    monkeypatch.setattr(sys, "argv", ["farhand", "driver", "test", "kinematic"])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == code
+
+
+@pytest.fixture
+def _left_as_it_was() -> Iterator[None]:
+    yield
+    gc.unfreeze()
+    finish_log()
+    structlog.reset_defaults()
+
+
+@pytest.mark.usefixtures("_left_as_it_was")
+@pytest.mark.parametrize(
+    ("verdicts", "summary"),
+    [
+        ([PASSED, SKIPPED], "kinematic: all passed"),
+        ([FAILED, SUFFERS, SUFFERS], "kinematic: 1 failed"),
+        ([PASSED, REPEAT, REPEAT], "kinematic: none failed, 2 to be repeated, because this machine stood still"),
+        ([FAILED, REPEAT], "kinematic: 1 failed, 1 to be repeated, because this machine stood still"),
+    ],
+)
+def test_the_last_line_counts_both(verdicts: Sequence[Verdict], summary: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[DriverStand] = []
+
+    def verdicts_of(stand: DriverStand, report: Callable[[str], None]) -> dict[str, Verdict]:
+        assert report
+        seen.append(stand)
+        with stand.measure_pauses() as meter:  # of this thread, and of the process that sleeps and wakes
+            assert len(meter.read().watched_ns) == 1
+        return {str(k): verdict for k, verdict in enumerate(verdicts)}
+
+    lines: list[str] = []
+    monkeypatch.setattr(conformance, "verdicts_of", verdicts_of)
+    monkeypatch.setattr(conformance, "ask_for_real_time", lambda _: True)
+    conformance.test_driver(load_config(RemoteConfig, None, ["driver.name=kinematic"]), lines.append)
+    assert seen
+    assert lines[-1] == summary
