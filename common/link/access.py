@@ -177,3 +177,8 @@ def rate_caps() -> list[Json]:
     """
     rules = [{"key_expr": procedure.key_for(ANY), "freq": procedure.max_hz} for procedure in PROCEDURES]
     return [{"id": "questions", "flows": ["ingress"], "messages": ["query"], "rules": rules}]
+
+
+def no_waiting() -> list[Json]:
+    """Questions and answers that a link cannot take are dropped; else who asks could choose that the answerer waits."""
+    return [{"id": "questions", "messages": ["query"], "overwrite": {"congestion_control": "drop"}}]

@@ -9,7 +9,7 @@ from common.errors import ConfigError, MessageError
 from common.link.roles import CELL_NAME, EVERYBODY, MAINTAINERS, OPERATORS, REMOTES, Role
 from common.messages.base import Message
 from common.messages.hand import HandArm, OperatorIntent
-from common.messages.probe import MOST_PADDING, Probe, ProbeEcho
+from common.messages.probe import MOST_PADDING, ROOM_BYTES, Probe, ProbeEcho
 from common.messages.recording import RecordingNotice
 from common.messages.requests import (
     ClockAnswer,
@@ -261,7 +261,7 @@ LOAD = Channel(
     priority=Priority.DATA,
     rate_hz=100.0,
     stale_after_ns=NS_PER_S,
-    max_bytes=MOST_PADDING + 512,
+    max_bytes=MOST_PADDING + ROOM_BYTES,
     depth=64,
     best_effort=False,
 )
@@ -274,7 +274,7 @@ LOAD_ECHO = Channel(
     priority=Priority.DATA,
     rate_hz=100.0,
     stale_after_ns=NS_PER_S,
-    max_bytes=MOST_PADDING + 512,
+    max_bytes=MOST_PADDING + ROOM_BYTES,
     depth=256,
     best_effort=False,
 )

@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Any
 
 from common.errors import TransportError
-from common.link.access import Serves, access_control, payload_caps, rate_caps
+from common.link.access import Serves, access_control, no_waiting, payload_caps, rate_caps
 from common.link.channels import CHANNELS
 from common.link.config import TlsConfig
 from common.link.credentials import Credentials
@@ -18,6 +18,7 @@ RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 
 FOR_EVER = -1  # in the background; a client would block
 CLIENT_TIMEOUT_MS = 500
 MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # of fragments, before a check
+DEAF_AFTER_US = 10_000  # a neighbour that takes nothing for so long is disconnected: all others wait meanwhile
 MAX_NEIGHBOURS, MAX_AT_ROUTER = 64, 1024
 PICTURES_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 240 ms; what waits in more is old
 
@@ -82,12 +83,14 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
         "transport/link/tls/so_sndbuf": endpoints.send_buffer_bytes,
         "transport/link/tx/lease": LEASE_MS,
         "transport/link/tx/keep_alive": KEEP_ALIVES_PER_LEASE,
+        "transport/link/tx/queue/congestion_control/block/wait_before_close": DEAF_AFTER_US,
         "transport/link/rx/max_message_size": MAX_MESSAGE_BYTES,
         "transport/unicast/open_timeout": OPEN_TIMEOUT_MS,
         "transport/unicast/accept_timeout": OPEN_TIMEOUT_MS,
         "transport/unicast/max_sessions": MAX_AT_ROUTER if endpoints.mode is Mode.ROUTER else MAX_NEIGHBOURS,
         "low_pass_filter": payload_caps(),
         "downsampling": rate_caps(),
+        "qos/network": no_waiting(),
     }
     if (credentials := served.credentials) is not None:
         plain = not all(endpoint.is_secured for endpoint in (*endpoints.listen, *endpoints.connect))

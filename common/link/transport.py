@@ -144,7 +144,8 @@ class Link:
         self._check_operator(procedure, operator, f"ask {key}")
         self._was_up = self._was_up or self._is_up()
         try:
-            replies = self._session.get(key, payload=encode(question), timeout=timeout_s)
+            priority = PRIORITIES[Priority.INTERACTIVE]  # no stop, and no answer, waits behind a load
+            replies = self._session.get(key, payload=encode(question), timeout=timeout_s, priority=priority)
         except zenoh.ZError as error:
             raise TransportError("the link was closed") from error
         for reply in replies:

@@ -7,6 +7,7 @@ import msgspec
 from common.messages.base import Count, Message
 
 MOST_PADDING = 16_000
+ROOM_BYTES = 512  # of a message for all but its padding
 Padding = Annotated[bytes, msgspec.Meta(max_length=MOST_PADDING)]
 
 

@@ -1,6 +1,7 @@
 """A daemon's lifecycle: stop signals, READY and WATCHDOG to systemd, scheduling."""
 
 import os
+import resource
 import signal
 import socket
 import threading
@@ -59,6 +60,11 @@ def ask_for_real_time(priority: int) -> bool:
 def be_nice(increment: int) -> None:
     """Yield to the processes that control the robot."""
     os.nice(increment)
+
+
+def bound_memory(most_bytes: int) -> None:
+    """Let this process end rather than take more memory from all others."""
+    resource.setrlimit(resource.RLIMIT_DATA, (most_bytes, most_bytes))
 
 
 def be_idle() -> None:

@@ -7,7 +7,7 @@ from common.errors import MessageError
 from common.link.channels import ECHO, LOAD, LOAD_ECHO, PROBE, Channel
 from common.link.pubsub import Latest, Publisher
 from common.link.transport import Link
-from common.messages.probe import Probe, ProbeEcho
+from common.messages.probe import ROOM_BYTES, Probe, ProbeEcho
 
 PER_TICK = 2  # of a channel, of all operators together
 MOST_ECHOED = 32  # operators
@@ -66,7 +66,7 @@ class EchoChannel:
             answered_ns=clock.now_ns(),
             received=received,
             refused=bars_load,
-            padding=b"" if bars_load else bytes(probe.echo_bytes),
+            padding=b"" if bars_load else bytes(min(probe.echo_bytes, self._echo.max_bytes - ROOM_BYTES)),
         )
 
     def _publisher(self, operator: str) -> Publisher[ProbeEcho] | None:

@@ -120,10 +120,18 @@ def running(
 
 @contextmanager
 def dishonest(
-    endpoint: str, folder: Path, who: str | None, *, listen: bool = False, cell: str = CELL, mode: str = "peer"
+    endpoint: str,
+    folder: Path,
+    who: str | None,
+    *,
+    listen: bool = False,
+    cell: str = CELL,
+    mode: str = "peer",
+    receive_buffer_bytes: int | None = None,
 ) -> Iterator[zenoh.Session]:
     """A session that checks nothing itself and has no access control of its own."""
     tls = {"root_ca_certificate": authority(folder, who), "verify_name_on_connect": False}
+    tls |= {"so_rcvbuf": receive_buffer_bytes}
     if who is not None:
         pair = folder / cell / who
         for end in ("listen", "connect"):

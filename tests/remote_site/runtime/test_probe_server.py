@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from common.clock import FakeClock
 from common.errors import MessageError
 from common.link.channels import ECHO, LOAD, LOAD_ECHO, PROBE
+from common.messages.codec import encode
 from common.messages.probe import Probe, ProbeEcho
 from remote_site.runtime.probe_server import PER_TICK, ProbeServer
 
@@ -86,6 +87,14 @@ def test_an_engaged_arms_link_is_not_loaded_but_still_probed():
     link.waiting[LOAD.key, "anna"].extend(probes(1, echo_bytes=16_000))
     serving.poll(engaged=False)
     assert (link.echoes[-1][2].refused, len(link.echoes[-1][2].padding)) == (False, 16_000)
+
+
+def test_no_probe_is_a_load_under_another_name():
+    link = FakeLink()
+    link.waiting[PROBE.key, "anna"] = probes(1, echo_bytes=16_000)
+    server(link).poll(engaged=True)
+    ((_, _, echo),) = link.echoes
+    assert len(encode(echo)) <= ECHO.max_bytes
 
 
 def test_what_is_no_probe_is_reported_and_counts_as_work():
