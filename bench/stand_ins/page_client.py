@@ -1,13 +1,14 @@
 """A page without a browser, its key and settings as commanded: `python -m bench.stand_ins.page_client PORT SOCKET`.
 
 Its beats are sent late by what it is told (`late_s`). It paints nothing, but acknowledges every picture and reports how
-old the newest are, as a page does. Given a third argument, it keeps there what it has seen of the cell.
+old the newest are, as a page does. `--sight FILE` keeps there what it has seen of the cell; with `--down` its key is
+down from its first beat.
 """
 
 import itertools
-import sys
 import threading
 import time
+from argparse import ArgumentParser
 from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,13 +35,13 @@ class Heard:
     console_ms: float | None = None
 
 
-def run(port: int, commands: CommandSocket, seen: SightLog | None) -> None:
+def run(port: int, commands: CommandSocket, seen: SightLog | None, *, down: bool) -> None:
     """Beat until killed."""
     with opened(port) as page:
         views: dict[str, dict[str, float]] = {}
         heard = Heard()
         threading.Thread(target=_read, args=(page, views, heard, seen), daemon=True).start()
-        down, late_s, on_their_way = False, 0.0, deque[tuple[float, dict[str, object]]]()
+        late_s, on_their_way = 0.0, deque[tuple[float, dict[str, object]]]()
         for beat in itertools.count():
             fields, now_s = commands.take(), time.monotonic()
             down, late_s = fields.get("down", down), fields.get("late_s", late_s)
@@ -90,5 +91,11 @@ def _say(page: ClientConnection, **fields: object) -> None:
 
 
 if __name__ == "__main__":
-    log = SightLog(Path(sys.argv[3])) if len(sys.argv) > 3 else None
-    run(int(sys.argv[1]), CommandSocket(sys.argv[2]), log)
+    arguments = ArgumentParser()
+    arguments.add_argument("port", type=int)
+    arguments.add_argument("socket")
+    arguments.add_argument("--sight", type=Path)
+    arguments.add_argument("--down", action="store_true")
+    given = arguments.parse_args()
+    log = SightLog(given.sight) if given.sight is not None else None
+    run(given.port, CommandSocket(given.socket), log, down=given.down)

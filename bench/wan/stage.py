@@ -98,7 +98,9 @@ class WanStage:
         for path in (pictures, seen):
             path.touch()
         send(self._socket("console"), file=str(pictures))
-        words = module_command("bench.stand_ins.page_client", self.setup.page_port, self._socket("page"), seen)
+        words = module_command(
+            "bench.stand_ins.page_client", self.setup.page_port, self._socket("page"), "--sight", seen
+        )
         self._start("page", [*self.network.beyond, *words])
         return pictures, seen
 

@@ -141,11 +141,12 @@ class CellPair:
             self._end(name)
         self.start_local()
 
-    def start_page(self, port: int) -> SiteProcess:
-        """Open a page of the console; it receives commands at `page`."""
+    def start_page(self, port: int, *, down: bool = False) -> SiteProcess:
+        """Open a page of the console, perhaps with its key down already; it receives commands at `page`."""
         commands = self.folder / "page"
         commands.unlink(missing_ok=True)
-        page = self._start("page", [*self._beyond, *module_command("bench.stand_ins.page_client", port, commands)])
+        command = module_command("bench.stand_ins.page_client", port, commands, *(["--down"] if down else []))
+        page = self._start("page", [*self._beyond, *command])
         self.wait("the page", commands.exists)
         return page
 

@@ -56,8 +56,7 @@ def close_page(trial: Trial) -> None:
     trial.begin(lambda _: os.kill(page.pid, signal.SIGKILL))
     trial.latches(0.5)
     trial.rests(stop_within_s=0.5)
-    pair.start_page(port)
-    send(pair.folder / "page", down=True)
+    pair.start_page(port, down=True)
     trial.stays(2.0)
 
 
