@@ -29,7 +29,7 @@ CAMERA_VIEW = "camera/"
 
 
 @dataclass
-class Heard:
+class HeardTime:
     """The console's time in its newest echo, None before the first."""
 
     console_ms: float | None = None
@@ -39,7 +39,7 @@ def run(port: int, commands: CommandSocket, seen: SightLog | None, *, down: bool
     """Beat until killed."""
     with opened(port) as page:
         views: dict[str, dict[str, float]] = {}
-        heard = Heard()
+        heard = HeardTime()
         threading.Thread(target=_read, args=(page, views, heard, seen), daemon=True).start()
         late_s, on_their_way = 0.0, deque[tuple[float, dict[str, object]]]()
         for beat in itertools.count():
@@ -65,7 +65,7 @@ def opened(port: int) -> ClientConnection:
     raise ConnectionRefusedError(f"no console at {port}")
 
 
-def _read(page: ClientConnection, views: dict[str, dict[str, float]], heard: Heard, seen: SightLog | None) -> None:
+def _read(page: ClientConnection, views: dict[str, dict[str, float]], heard: HeardTime, seen: SightLog | None) -> None:
     """Take every picture immediately; this host's clock is the console's."""
     for message in page:
         if isinstance(message, str):

@@ -16,18 +16,18 @@ PRIVATE, PUBLIC = 0o600, 0o644
 
 
 @dataclass(frozen=True, slots=True)
-class Authority:
+class CertificateAuthority:
     """An authority's files, by their stem, and the name in its certificate."""
 
     stem: str
     name: str
 
 
-SITES = Authority("ca", "Farhand certificate authority")
-VIEWERS = Authority("viewers-ca", "Farhand certificate authority for viewers")
+SITES = CertificateAuthority("ca", "Farhand certificate authority")
+VIEWERS = CertificateAuthority("viewers-ca", "Farhand certificate authority for viewers")
 
 
-def load_authority(folder: Path, authority: Authority = SITES) -> Issued:
+def load_authority(folder: Path, authority: CertificateAuthority = SITES) -> Issued:
     """An authority kept in a folder; ConfigError when its files are missing or do not belong together."""
     path = folder / f"{authority.stem}.key"
     certificate = read_certificate(folder / f"{authority.stem}.pem")
@@ -42,12 +42,12 @@ def load_authority(folder: Path, authority: Authority = SITES) -> Issued:
     return Issued(certificate, key)
 
 
-def has_authority(folder: Path, authority: Authority) -> bool:
+def has_authority(folder: Path, authority: CertificateAuthority) -> bool:
     """Whether the folder keeps the authority's key."""
     return (folder / f"{authority.stem}.key").exists()
 
 
-def ensure_authority(folder: Path, authority: Authority, now: datetime) -> Issued:
+def ensure_authority(folder: Path, authority: CertificateAuthority, now: datetime) -> Issued:
     """The authority kept in a folder, or a new one; ConfigError where only its certificate is there."""
     if has_authority(folder, authority):
         return load_authority(folder, authority)

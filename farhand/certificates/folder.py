@@ -14,7 +14,7 @@ from common.link.roles import CELL_NAME, MAX_COMMON_NAME, Identity, Role
 from farhand.certificates.authorities import (
     SITES,
     VIEWERS,
-    Authority,
+    CertificateAuthority,
     ensure_authority,
     load_authority,
     read_certificate,
@@ -56,7 +56,7 @@ class Pair:
 
     stem: str
     identity: Identity
-    authority: Authority = SITES
+    authority: CertificateAuthority = SITES
 
     def path(self, theirs: Path) -> Path:
         """The certificate's file in a cell's folder."""

@@ -14,7 +14,7 @@ GAP, DISTANCES, DIRECTIONS = 4.0, (9.0, 16.0, 26.0, 42.0, 62.0, 90.0), 16
 OVER_LABEL, OVER_POINT, OUTSIDE, AWAY = 100.0, 1.0, 100.0, 0.02  # what a place costs: how much, how many, how far
 
 
-class Rectangle(NamedTuple):
+class LabelBox(NamedTuple):
     """A part of the picture, from its lower left to its upper right corner."""
 
     left: float
@@ -44,13 +44,13 @@ def in_words(numbers: Sequence[int]) -> str:
     return ", ".join(f"{run[0]}–{run[-1]}" if len(run) > 1 else f"{run[0]}" for run in runs)
 
 
-def placed(anchors: Array, sizes: Array, points: Array, room: Rectangle) -> list[Rectangle]:
+def placed(anchors: Array, sizes: Array, points: Array, room: LabelBox) -> list[LabelBox]:
     """Where labels of these sizes (n, 2) go, each beside its anchor (n, 2), within the room.
 
     Of the places around an anchor each takes the one that covers no label, as few of the `points` (m, 2) as possible,
     and is near; where there is none without a label, the one that covers least.
     """
-    found: list[Rectangle] = []
+    found: list[LabelBox] = []
     for anchor, size in zip(anchors, sizes, strict=True):
         places = _places(anchor, size)
         costs = [_cost(place, anchor, found, points, room) for place in places]
@@ -58,26 +58,26 @@ def placed(anchors: Array, sizes: Array, points: Array, room: Rectangle) -> list
     return found
 
 
-def overlap(a: Rectangle, b: Rectangle) -> float:
+def overlap(a: LabelBox, b: LabelBox) -> float:
     """The area that two rectangles share."""
     width = min(a.right, b.right) - max(a.left, b.left)
     height = min(a.top, b.top) - max(a.bottom, b.bottom)
     return max(width, 0.0) * max(height, 0.0)
 
 
-def _places(anchor: Array, size: Array) -> list[Rectangle]:
+def _places(anchor: Array, size: Array) -> list[LabelBox]:
     """All around an anchor, the nearest first, to the right and up before elsewhere."""
     angles = np.pi / 4 + 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     found = []
     for distance in DISTANCES:
         for across, up in zip(np.cos(angles), np.sin(angles), strict=True):
             x, y = anchor + (distance + 0.5 * size) * (across, up)
-            found.append(Rectangle(x - size[0] / 2, y - size[1] / 2, x + size[0] / 2, y + size[1] / 2))
+            found.append(LabelBox(x - size[0] / 2, y - size[1] / 2, x + size[0] / 2, y + size[1] / 2))
     return found
 
 
-def _cost(place: Rectangle, anchor: Array, others: Sequence[Rectangle], points: Array, room: Rectangle) -> float:
-    wide = Rectangle(place.left - GAP, place.bottom - GAP, place.right + GAP, place.top + GAP)
+def _cost(place: LabelBox, anchor: Array, others: Sequence[LabelBox], points: Array, room: LabelBox) -> float:
+    wide = LabelBox(place.left - GAP, place.bottom - GAP, place.right + GAP, place.top + GAP)
     area = (wide.right - wide.left) * (wide.top - wide.bottom)
     covered = sum(overlap(wide, other) for other in others) / area
     outside = 1.0 - overlap(wide, room) / area

@@ -8,7 +8,7 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 from common.geometry import Array
-from farhand.teach.labels import Rectangle, in_words, placed, taken_together
+from farhand.teach.labels import LabelBox, in_words, placed, taken_together
 from farhand.teach.planning import planned_path, way_points_in_base
 from farhand.teach.task_file import Grip, TaskFile
 from local_site.programmed.tool_trajectory import ToolTrajectory
@@ -88,7 +88,7 @@ def _label(axes: Any, task: TaskFile, points_mm: Array, way_mm: Array) -> None:
     boxes = [text.get_window_extent() for text in texts]
     anchors, sizes = points[[group[0] for group in groups]], np.array([(box.width, box.height) for box in boxes])
     obstacles = [points, *_rims(task, points), way[:: max(len(way) // PATH_POINTS, 1)]]
-    found = placed(anchors, sizes, np.concatenate(obstacles), Rectangle(*axes.bbox.extents))
+    found = placed(anchors, sizes, np.concatenate(obstacles), LabelBox(*axes.bbox.extents))
     to_mm = axes.transData.inverted()
     for text, anchor, place in zip(texts, anchors, found, strict=True):
         text.set_position(to_mm.transform(place[:2]))

@@ -73,30 +73,9 @@ def run_remote(
     if unfinished and config.engagement.mode is EngagementMode.AUTOMATIC:
         log.warning("the last run did not end in order: nothing engages automatically", cure="farhand engage")
         config = config.engaging(EngagementMode.ON_REQUEST)
-    memory = (
-        CellMemory.create(len(config.robot.start_deg))
-        if config.cell_is_simulated or config.views_are_simulated
-        else None
-    )
-    driver_memory = DriverMemory.create(len(config.robot.start_deg))
-    children, stack = Children("remote"), ExitStack()
+    children, stack, site = Children("remote"), ExitStack(), SiteMemory()
     try:
-        config = start_robot(config, children)
-        if memory is not None and config.cell_is_simulated:
-            children.start("cell", partial(run_cell_child, config, memory, witness))
-        children.start("driver", partial(run_driver, config, driver_memory, memory))
-        tally = VideoTally([camera.name for camera in config.video.cameras])
-        site, assist = SiteMemory(), _assist_memory(config)
-        recording = _recording_memory(config)
-        if recording is not None:
-            stack.callback(recording.remove)
-        children.start("video", partial(_video, config, memory, tally, site, assist, recording))
-        children.start("control", partial(run_control, config, driver_memory, memory, site, assist, recording))
-        if config.metrics.port:
-            children.start("metrics", partial(_metrics, config, tally), vital=False)
-        if config.links.viewers.listen:
-            seen = Site(config.cell, config.links.listened, config.links)
-            children.start("viewers", partial(run_viewers, config.links.viewers, VIEWERS_TABLE, seen), vital=False)
+        _start_children(config, children, stack, site, witness)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
         if not should_stop():
             site.set_ready()
@@ -113,6 +92,31 @@ def run_remote(
         children.end()
         stack.close()
     log_end()
+
+
+def _start_children(
+    config: RemoteConfig, children: Children, stack: ExitStack, site: SiteMemory, witness: "CellWitness | None"
+) -> None:
+    """Fork every process of the site; what has to be removed after they have ended goes on the stack."""
+    simulated = config.cell_is_simulated or config.views_are_simulated
+    memory = CellMemory.create(len(config.robot.start_deg)) if simulated else None
+    driver_memory = DriverMemory.create(len(config.robot.start_deg))
+    config = start_robot(config, children)
+    if memory is not None and config.cell_is_simulated:
+        children.start("cell", partial(run_cell_child, config, memory, witness))
+    children.start("driver", partial(run_driver, config, driver_memory, memory))
+    tally = VideoTally([camera.name for camera in config.video.cameras])
+    assist = _assist_memory(config)
+    recording = _recording_memory(config)
+    if recording is not None:
+        stack.callback(recording.remove)
+    children.start("video", partial(_video, config, memory, tally, site, assist, recording))
+    children.start("control", partial(run_control, config, driver_memory, memory, site, assist, recording))
+    if config.metrics.port:
+        children.start("metrics", partial(_metrics, config, tally), vital=False)
+    if config.links.viewers.listen:
+        seen = Site(config.cell, config.links.listened, config.links)
+        children.start("viewers", partial(run_viewers, config.links.viewers, VIEWERS_TABLE, seen), vital=False)
 
 
 def _check_start(config: RemoteConfig) -> None:

@@ -6,9 +6,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from farhand.teach.labels import MOST_LABELS, Rectangle, in_words, overlap, placed, taken_together
+from farhand.teach.labels import MOST_LABELS, LabelBox, in_words, overlap, placed, taken_together
 
-ROOM = Rectangle(0.0, 0.0, 400.0, 400.0)
+ROOM = LabelBox(0.0, 0.0, 400.0, 400.0)
 POINT = st.tuples(st.floats(0, 400), st.floats(0, 400))
 
 
