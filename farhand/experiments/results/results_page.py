@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from farhand.experiments.placing.over_network import NETWORKS
+from farhand.experiments.placing.series import FREE, ROLL_FIXED
 from farhand.experiments.results import why
 from farhand.experiments.results.drawn import DrawnFigure, in_report, in_thesis
 from farhand.experiments.results.printed import Printed, of_report, of_thesis
@@ -17,13 +18,23 @@ ABOUT = (
     "robots, whose truth is known; the sources measured real ones. Below a ratio of 1 Farhand's error is the smaller. "
     "What each experiment does, and what the comparison is worth, is told in docs/experiments.md."
 )
+PLACING_TEXT = (
+    "Medians of the placed trials with their quartiles; drops, collisions, missed grasps and holds of all trials "
+    "together. The thesis's errors are in the table above."
+)
 PRINTED_HEAD = ("source", "what", "printed", "Farhand", "ratio")
 DRAWN_HEAD = ("source", "what", "file")
+PLACING_COUNTS = ("drops", "collisions", "grasps_missed", "holds")
+PLACING_HEAD = (
+    *("rotations", "tracker", "placed", "time, s", "x, mm", "y, mm", "angle, deg", "drops", "collisions"),
+    *("missed", "holds", "clutches", "grip, N"),
+)
 NETWORK_HEAD = ("network", "placed", "time, s", "x, mm", "y, mm", "angle, deg", "pictures, ms old")
 THESIS = "The thesis: markerless stereo hand-arm tracking (2004)"
 REPORT = "The report: Teleoperating ROBONAUT (2002)"
 ERRORS = ("x_mm", "y_mm", "angle_deg")
-TITLES = {"network": "The block placed over a network", "causes": why.TITLE}
+ROTATIONS = {ROLL_FIXED: "roll fixed", FREE: "all"}
+TITLES = {"placing": "The block placed", "network": "The block placed over a network", "causes": why.TITLE}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +72,7 @@ def _sections(reports: Reports) -> list[_Section]:
     return [
         _Section(THESIS, _beside(of_thesis(), in_thesis(), reports)),
         _Section(REPORT, _beside(of_report(), in_report(), reports)),
+        _of("placing", reports, _placing),
         _of("network", reports, _over_networks),
         _of("causes", reports, _causes),
     ]
@@ -71,6 +83,11 @@ def _of(name: str, reports: Reports, section: Callable[[Mapping[str, Any]], _Sec
     if name not in reports:
         return _Section(TITLES[name], [], [f"The experiment `{name}` has not been run yet."])
     return section(reports[name])
+
+
+def _placing(placing: Mapping[str, Any]) -> _Section:
+    rows = [_placed(ROTATIONS[rolls], name, of) for rolls in ROTATIONS for name, of in placing[rolls].items()]
+    return _Section(TITLES["placing"], [(PLACING_HEAD, rows)], [PLACING_TEXT])
 
 
 def _over_networks(network: Mapping[str, Any]) -> _Section:
@@ -106,13 +123,26 @@ def _ours(printed: Printed, reports: Reports) -> float | None:
     return None if found is None else float(found)
 
 
+def _placed(rotations: str, tracker: str, of: Mapping[str, Any]) -> Sequence[str]:
+    """One series: medians with their quartiles, and what happened in all trials together."""
+    spreads = (_spread(of[error], 1) for error in ERRORS)
+    counts = (str(of[name]) for name in PLACING_COUNTS)
+    ends = _spread(of["clutches"], 0), _spread(of["contact_force_n"], 0)
+    return rotations, tracker, f"{of['placed']} of {of['trials']}", _spread(of["time_s"], 0), *spreads, *counts, *ends
+
+
+def _spread(of: Mapping[str, float | None], decimals: int) -> str:
+    """Median and quartiles; a dash where there are none."""
+    if of["median"] is None:
+        return "–"
+    return f"{of['median']:.{decimals}f} ({of['q1']:.{decimals}f}–{of['q3']:.{decimals}f})"
+
+
 def _over(name: str, of: Mapping[str, Any]) -> Sequence[str]:
     """One network's row: medians, with the quartiles of the time."""
-    time_s = of["time_s"]
     errors = ("–" if of[error]["median"] is None else f"{of[error]['median']:.1f}" for error in ERRORS)
-    age = of["picture_age_ms"]
-    spread = f"{time_s['median']:.0f} ({time_s['q1']:.0f}–{time_s['q3']:.0f})"
-    return _words(name), f"{of['placed']} of {of['trials']}", spread, *errors, "–" if age is None else f"{age:.0f}"
+    age = "–" if of["picture_age_ms"] is None else f"{of['picture_age_ms']:.0f}"
+    return _words(name), f"{of['placed']} of {of['trials']}", _spread(of["time_s"], 0), *errors, age
 
 
 def _words(name: str) -> str:

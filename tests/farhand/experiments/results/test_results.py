@@ -28,6 +28,12 @@ def reports(value=2.5):
             inside = inside.setdefault(name, {})
         inside[printed.path[-1]] = value
     over = {"placed": 9, "trials": 10, "time_s": FIGURE, "x_mm": FIGURE, "y_mm": FIGURE, "angle_deg": FIGURE}
+    counts = dict.fromkeys(("drops", "collisions", "grasps_missed", "holds"), 3)
+    series = {**over, **counts, "clutches": FIGURE, "contact_force_n": FIGURE}
+    for rolls in (ROLL_FIXED, FREE):
+        for name, of in made["placing"][rolls].items():
+            medians = {error: {**FIGURE, **figure} for error, figure in of.items()}
+            made["placing"][rolls][name] = {**series, **medians}
     made["network"] = {name: {**over, "picture_age_ms": 61.0} for name in NETWORKS}
     made["causes"] = {rolls: dict.fromkeys(CAUSES, over) for rolls in (FREE, ROLL_FIXED)}
     return made
@@ -53,6 +59,14 @@ def test_a_row_has_both_figures_and_the_ratio():
     assert "| 2 Mbit/s | 9 of 10 | 2 (1–3) | 2.0 | 2.0 | 2.0 | 61 |" in page
     assert "| 3 % lost |" in page
     assert "| 120 ms each way |" in page
+
+
+def test_every_series_of_placing_has_a_row_with_quartiles():
+    made = reports()
+    made["placing"][FREE]["assist"] = {**made["placing"][FREE]["silhouette"], "x_mm": FIGURE, "holds": 0}
+    row = next(line for line in as_markdown(made, quick=False).splitlines() if line.startswith("| all | assist |"))
+    assert row.startswith("| all | assist | 9 of 10 | 2 (1–3) | 2.0 (1.0–3.0) |")
+    assert row.endswith("| 3 | 3 | 3 | 0 | 2 (1–3) | 2 (1–3) |")
 
 
 def test_why_a_series_failed_is_told_with_the_figures_and_a_row_for_every_cause():
