@@ -25,6 +25,8 @@ from local_site.tracking.tracker import ArmEstimate, Overlay, TrackingReason, Vi
 
 # Of the crop's side: what landmarks miss by in one picture, more where the view may have seen the hand's mirror image.
 LANDMARK_SIGMA, DOUBTFUL_SIGMA = 0.04, 0.06
+# Landmarks of one picture miss together; beside an outline before a dark wall, which is sharp, they count for less.
+BESIDE_OUTLINE = 2.5
 SURE_SIDE, DOUBTFUL_SIDE = 0.8, 0.5
 NO_PAIR = (TrackingReason.NO_HAND, TrackingReason.HANDS_DIFFER)
 
@@ -117,6 +119,8 @@ class LearnedTracker:
         if side < DOUBTFUL_SIDE:
             return view
         sigma = LANDMARK_SIGMA if side > SURE_SIDE else DOUBTFUL_SIGMA
+        if outline is not None and not self._outlines.in_room:
+            sigma *= BESIDE_OUTLINE
         return view._replace(landmarks=seen.pixels[k], landmark_sigma=sigma * seen.views[k].crop.side_px)
 
     def _found(
@@ -127,12 +131,14 @@ class LearnedTracker:
         covariances = {
             "wrist": hand.wrist_covariance,
             "index": hand.index_covariance,
-            "thumb": hand.thumb.covariance,
+            "thumb": hand.thumb_covariance,
         }
         reasons = [] if hand.is_clear else [TrackingReason.HAND_UNCLEAR]
         if not self._rig.contains(wrist):
             reasons.append(TrackingReason.OUTSIDE_VOLUME)
         elbow_reason = self._judge_arm(arm, wrist, reasons)
+        if hand.is_fist:  # the arm is learned all the same
+            reasons.append(TrackingReason.FIST)
         overlays: tuple[Overlay, ...] = ()
         if isinstance(arm, SeenArm):
             self._outlines.finder.keep(arm, wrist)
@@ -143,6 +149,8 @@ class LearnedTracker:
         self._motion.add(t_ns, landmark_points(hand.fit.spheres.centres))
         self._outlined = self._operator.is_known and hand.is_clear and hand.outline_views >= MIN_VIEWS
         status, reason = self._operator.status(reasons, elbow_reason)
+        if status is TrackingStatus.TRACKED and hand.thumb_inferred:
+            reason = "; ".join(filter(None, [reason, TrackingReason.THUMB_INFERRED]))
         return ArmEstimate(
             t_ns,
             status,

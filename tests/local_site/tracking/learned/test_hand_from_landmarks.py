@@ -55,8 +55,17 @@ def test_a_hand_is_found_to_a_millimetre(posture, turn):
     found = fitted(pose)
     assert errors_m(found, pose).max() < EXACT_M
     assert found.is_clear
-    assert not found.thumb_inferred
     assert found.fit.cost < 0.05
+
+
+@pytest.mark.parametrize("posture", POSTURES)
+def test_a_thumb_before_bent_fingers_is_inferred(posture):
+    assert fitted(pose_of(posture=POSTURES[posture])).thumb_inferred == (posture in ("fist", "pointing"))
+
+
+@pytest.mark.parametrize("posture", POSTURES)
+def test_only_a_fist_hides_the_index(posture):
+    assert fitted(pose_of(posture=POSTURES[posture])).is_fist == (posture == "fist")
 
 
 @pytest.mark.parametrize("scale", [0.8, 0.9, 1.15])
