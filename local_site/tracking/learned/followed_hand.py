@@ -49,7 +49,8 @@ from local_site.tracking.silhouette.hand_model.skeleton import (
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tips
 
-ITERATIONS = 6
+ITERATIONS, PLACING_ITERATIONS, SHARPENING_ITERATIONS = 6, 3, 4
+BESIDE_OUTLINE = 2.5  # times the landmarks' standard deviation
 START_ITERATIONS, START_SIGMAS = 5, 3.0
 LOOSE_WRIST_M = 0.03
 HABITUAL = 2.0  # mean squared deviation from a habit in its own standard deviations
@@ -151,12 +152,22 @@ class FollowedHand:
         """Start from an unknown pose with the next instant."""
         self._last, self._open, self._mistaken = None, False, 0
 
-    def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand | None:
-        """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`; None without a start."""
+    def track(
+        self,
+        views: Sequence[HandView],
+        landmarks: Array,
+        arm: LimbEvidence | None,
+        *,
+        outlines_are_sharp: bool = False,
+    ) -> FittedHand | None:
+        """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`; None without a start.
+
+        `outlines_are_sharp` before a dark wall, where nothing else has edges.
+        """
         if not _show(views) or not LEAST_SCALE < scale_of(landmarks, self._right_arm) < MOST_SCALE:
             return None
         person = self._person(landmarks, arm)
-        fitted = self._fit(views, landmarks, arm, person)
+        fitted = self._fit(views, landmarks, arm, person, outlines_are_sharp=outlines_are_sharp)
         if fitted is None:
             return None
         told, (fit, views) = views, fitted
@@ -182,7 +193,13 @@ class FollowedHand:
         return None if float(np.linalg.norm(moved)) > MOST_STEP_M else self.track(views, landmarks + moved, arm)
 
     def _fit(
-        self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None, person: Person
+        self,
+        views: Sequence[HandView],
+        landmarks: Array,
+        arm: LimbEvidence | None,
+        person: Person,
+        *,
+        outlines_are_sharp: bool,
     ) -> tuple[HandFit, Sequence[HandView]] | None:
         """The best fit, and the views as they were believed for it.
 
@@ -190,7 +207,8 @@ class FollowedHand:
         """
         best: tuple[HandFit, Sequence[HandView]] | None = None
         for believed, start, belief in self._starts(views, landmarks, person):
-            fit = fit_hand(believed, start, _prior(belief, start, arm), person, ITERATIONS)
+            prior = _prior(belief, start, arm)
+            fit = _fitted(believed, start, prior, person, outlines_are_sharp=outlines_are_sharp)
             if best is None:
                 best = fit, believed
                 self._instants += 1
@@ -269,6 +287,25 @@ class FollowedHand:
             return orders
         self._turn = self._turn % (len(orders) - 1) + 1
         return [orders[0], orders[self._turn]]
+
+
+def _fitted(
+    views: Sequence[HandView], start: HandPose, prior: Prior, person: Person, *, outlines_are_sharp: bool
+) -> HandFit:
+    """The fit from a start.
+
+    Landmarks of one picture miss together. So beside sharp outlines they first bring each finger to its place, and then
+    count for less: with little weight from the start, a finger can stay in the outline of another.
+    """
+    if not outlines_are_sharp:
+        return fit_hand(views, start, prior, person, ITERATIONS)
+    placed = fit_hand(views, start, prior, person, PLACING_ITERATIONS)
+    return fit_hand([_blunted(view) for view in views], placed.pose, prior, person, SHARPENING_ITERATIONS)
+
+
+def _blunted(view: HandView) -> HandView:
+    """The view with landmarks that count for less where it has an outline."""
+    return view._replace(landmark_sigma=BESIDE_OUTLINE * view.landmark_sigma) if len(view.pixels) else view
 
 
 def _show(views: Sequence[HandView]) -> bool:

@@ -25,8 +25,6 @@ from local_site.tracking.tracker import ArmEstimate, Overlay, TrackingReason, Vi
 
 # Of the crop's side: what landmarks miss by in one picture, more where the view may have seen the hand's mirror image.
 LANDMARK_SIGMA, DOUBTFUL_SIGMA = 0.04, 0.06
-# Landmarks of one picture miss together; beside an outline before a dark wall, which is sharp, they count for less.
-BESIDE_OUTLINE = 2.5
 SURE_SIDE, DOUBTFUL_SIDE = 0.8, 0.5
 NO_PAIR = (TrackingReason.NO_HAND, TrackingReason.HANDS_DIFFER)
 
@@ -109,7 +107,8 @@ class LearnedTracker:
             for k, matrix in enumerate(self._rig.matrices)
             if k in outlines or k in seen.views
         ]
-        return self._hand.track(views, seen.points, finder.evidence(arm) if isinstance(arm, SeenArm) else None)
+        evidence = finder.evidence(arm) if isinstance(arm, SeenArm) else None
+        return self._hand.track(views, seen.points, evidence, outlines_are_sharp=not self._outlines.in_room)
 
     def _with_landmarks(self, outline: HandView | None, matrix: Array, seen: SeenHand, k: int) -> HandView:
         view = outline or NO_VIEW._replace(projection=matrix, focal_px=focal_length(matrix))
@@ -119,8 +118,6 @@ class LearnedTracker:
         if side < DOUBTFUL_SIDE:
             return view
         sigma = LANDMARK_SIGMA if side > SURE_SIDE else DOUBTFUL_SIGMA
-        if outline is not None and not self._outlines.in_room:
-            sigma *= BESIDE_OUTLINE
         return view._replace(landmarks=seen.pixels[k], landmark_sigma=sigma * seen.views[k].crop.side_px)
 
     def _found(

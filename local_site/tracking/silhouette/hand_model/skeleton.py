@@ -33,8 +33,7 @@ _FINGER_RADII = np.array(
 )
 _SPREAD_OF = np.array([0.5, -0.3, -0.9, -1.6])
 _REST_SPREAD = np.array([0.03, 0.0, -0.03, -0.06])
-_EXTRA_OF = np.array([0.0, 0.9, 1.0, 1.0])
-_EXTRA_OF_KNUCKLE = 0.5  # of what the middle joint bends beyond the index's: as in pointing hands
+_EXTRA_OF = np.array([0.0, 0.7, 1.0, 1.0])
 _THUMB_BASE = np.array([0.036, 0.022, -0.008])
 _THUMB_LENGTHS = np.array([0.0462, 0.0316, 0.0260])
 _THUMB_RADII = np.array([0.0165, 0.0125, 0.0105, 0.0085])
@@ -77,7 +76,7 @@ def pose_spheres(posture: Array, scale: float, right_arm: bool) -> tuple[Array, 
 
 def most_curled(posture: Array) -> float:
     """The curl in rad of the finger that is curled most, for a posture (10,)."""
-    curl: float = posture[MCP_CURL] + posture[PIP_CURL] + (1 + _EXTRA_OF_KNUCKLE) * max(0.0, posture[EXTRA_CURL])
+    curl: float = posture[MCP_CURL] + posture[PIP_CURL] + 2 * max(0.0, posture[EXTRA_CURL])
     return curl
 
 
@@ -87,7 +86,7 @@ def _fill_finger(centres: Array, finger: int, posture: Array, sizes: Array, leng
     turn = _REST_SPREAD[finger] + posture[SPREAD] * _SPREAD_OF[finger]
     extra = posture[EXTRA_CURL] * _EXTRA_OF[finger]
     pip = posture[PIP_CURL] + extra
-    bends = (posture[MCP_CURL] + _EXTRA_OF_KNUCKLE * extra, pip, DIP_PER_PIP * pip)
+    bends = (posture[MCP_CURL] + extra, pip, DIP_PER_PIP * pip)
     centres[4 * finger] = sizes * _KNUCKLES[finger]
     angle = 0.0
     for j in range(3):
