@@ -2,7 +2,6 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
@@ -18,6 +17,7 @@ from local_site.tracking.learned.finger_orders import (
     possible_orders,
     thumb_agrees,
 )
+from local_site.tracking.learned.fitted_hand import MAX_COST, FittedHand
 from local_site.tracking.learned.hand_starts import PALM_LANDMARKS, any_posture, pose_from_landmarks, scale_of
 from local_site.tracking.silhouette.hand_model.fit import (
     MIN_VIEWS,
@@ -39,15 +39,13 @@ from local_site.tracking.silhouette.hand_model.habits import (
 )
 from local_site.tracking.silhouette.hand_model.landmark_equations import landmark_points
 from local_site.tracking.silhouette.hand_model.skeleton import (
-    EXTRA_CURL,
     PALM,
-    PIP_CURL,
     HandPose,
     Person,
     most_curled,
 )
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
-from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tips
+from local_site.tracking.silhouette.tips import INDEX, THUMB, find_tips
 
 ITERATIONS, PLACING_ITERATIONS, SHARPENING_ITERATIONS = 6, 3, 4
 BESIDE_OUTLINE = 2.5  # times the landmarks' standard deviation
@@ -56,77 +54,14 @@ LOOSE_WRIST_M = 0.03
 HABITUAL = 2.0  # mean squared deviation from a habit in its own standard deviations
 CLEARLY_BETTER, REVERSED_BETTER = 0.9, 0.7  # of the cost so far: of new starts as told, and with fingers reversed
 START_EVERY, WORSE, REMEMBERED_COSTS = 5, 1.2, 30
-MAX_COST = 1.5
 UNUSUAL, UNUSUAL_COST = 2.2, 0.5  # against the median, and at least
 LEAST_USUAL_CURL, MOST_GRIPPER_CURL = 0.3, 2.0  # rad, of a hand held like a gripper: no flat hand, no fist
-BENT_INDEX, BENT_FINGERS = 1.0, 1.05  # rad, of the middle joints: of a fist, and of fingers that a thumb lies before
 STRETCHED, STILL_STRETCHED = 0.4, 0.55  # rad, of the finger that is curled most in an open hand
 LEAST_SCALE, MOST_SCALE = 0.4, 2.0  # of a hand against the average one
-WRIST_SIGMA_M, HIDDEN_INDEX_SIGMA_M, UNCLEAR_SIGMA_M = 0.003, 0.006, 0.04
 MOST_LANDMARK_MISFIT = 0.6  # of the palm's extent in the picture; index for little finger is more
 BELIEVED_AFTER = 3
 REMEMBERED_SCALES = 60
 MOST_STEP_M = 0.1  # between two instants: 3 m/s at 30 pairs/s
-
-
-@dataclass(frozen=True, slots=True)
-class FittedHand:
-    """A hand at one instant: the fit, the tips of index and thumb on the skin, and whether the fingers are open.
-
-    `landmark_views` and `outline_views` are how many views showed all its landmarks rightly, and its outline;
-    `doubtful` is whether it fits far worse than usual, or no view tells thumb or index where the fit has them: as of a
-    hand fitted as its mirror image, or with one finger for another.
-    """
-
-    fit: HandFit
-    index: Tip
-    thumb: Tip
-    hand_open: bool
-    landmark_views: int
-    outline_views: int
-    doubtful: bool = False
-
-    @property
-    def wrist_covariance(self) -> Array:
-        """The wrist's covariance (3, 3) in m²: the fit's, and where in this hand the model's wrist is."""
-        return np.asarray(np.linalg.inv(self.fit.information)[:3, :3], dtype=np.float64) + WRIST_SIGMA_M**2 * np.eye(3)
-
-    @property
-    def index_covariance(self) -> Array:
-        """The index tip's covariance (3, 3) in m²; larger where no two outlines show its end before other fingers."""
-        hidden_m = 0.0 if self.index.views >= MIN_VIEWS else HIDDEN_INDEX_SIGMA_M
-        return self._widened(self.index.covariance + hidden_m**2 * np.eye(3))
-
-    @property
-    def thumb_covariance(self) -> Array:
-        """The thumb tip's covariance (3, 3) in m²."""
-        return self._widened(self.thumb.covariance)
-
-    @property
-    def is_clear(self) -> bool:
-        """Whether landmarks or outlines of two views show a hand that the model explains."""
-        is_shown = max(self.landmark_views, self.outline_views) >= MIN_VIEWS
-        return self.fit.cost < MAX_COST and is_shown and not self.doubtful
-
-    @property
-    def is_fist(self) -> bool:
-        """Whether the index is bent into the hand."""
-        return bool(self.fit.pose.posture[PIP_CURL] > BENT_INDEX)
-
-    @property
-    def thumb_inferred(self) -> bool:
-        """Whether neither landmarks nor outlines of two views show the thumb.
-
-        Landmarks of a thumb that lies before bent fingers are a guess.
-        """
-        posture = self.fit.pose.posture
-        is_before_fingers = posture[PIP_CURL] + posture[EXTRA_CURL] > BENT_FINGERS
-        return self.thumb.views + (0 if is_before_fingers else self.landmark_views) < MIN_VIEWS
-
-    def _widened(self, covariance: Array) -> Array:
-        """A tip's covariance (3, 3): a hand that is unclear may be turned round."""
-        widened: Array = covariance if self.is_clear else covariance + UNCLEAR_SIGMA_M**2 * np.eye(3)
-        return widened
 
 
 class FollowedHand:

@@ -12,7 +12,8 @@ from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.landmarks.models import view_hands
 from local_site.tracking.learned.acquaintance import Acquaintance
 from local_site.tracking.learned.arm_outlines import ArmOutlines
-from local_site.tracking.learned.followed_hand import FittedHand, FollowedHand
+from local_site.tracking.learned.fitted_hand import FittedHand
+from local_site.tracking.learned.followed_hand import FollowedHand
 from local_site.tracking.learned.hand_motion import HandMotion
 from local_site.tracking.learned.room_pictures import RoomPictures
 from local_site.tracking.silhouette.arm_finder import NoArm, SeenArm

@@ -43,7 +43,7 @@ FILMS = {
     "pointing": (
         room(skin="medium"),
         moving("rotate_z", posture="pointing"),
-        {"elbow": 12, "wrist": 14, "index": 5, "thumb": 6},
+        {"elbow": 12, "wrist": 12, "index": 5, "thumb": 15},  # the thumb lies before bent fingers, and is inferred
     ),
     "flat": (room(), moving("figure_of_eight", posture="flat"), {"elbow": 18, "wrist": 8, "index": 8, "thumb": 6}),
     "with a watch": (room(watch=True), CARRY, {"elbow": 12, "wrist": 12, "index": 17, "thumb": 8}),
