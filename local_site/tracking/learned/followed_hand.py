@@ -59,7 +59,7 @@ LEAST_USUAL_CURL, MOST_GRIPPER_CURL = 0.3, 2.0  # rad, of a hand held like a gri
 STRETCHED, STILL_STRETCHED = 0.4, 0.55  # rad, of the finger that is curled most in an open hand
 LEAST_SCALE, MOST_SCALE = 0.4, 2.0  # of a hand against the average one
 MOST_LANDMARK_MISFIT = 0.6  # of the palm's extent in the picture; index for little finger is more
-BELIEVED_AFTER = 3
+BELIEVED_AFTER, KNOWN_AFTER = 3, 10  # instants
 REMEMBERED_SCALES = 60
 MOST_STEP_M = 0.1  # between two instants: 3 m/s at 30 pairs/s
 
@@ -176,7 +176,12 @@ class FollowedHand:
         return believed if _show(believed) else ordered
 
     def _is_open(self, posture: Array) -> bool:
-        """Whether all fingers are stretched well beyond their usual curl; with hysteresis (thesis 4.2)."""
+        """Whether all fingers are stretched well beyond their usual curl; with hysteresis (thesis 4.2).
+
+        Not before the operator's own curl is known: a U of nearly straight fingers would be open for ever.
+        """
+        if self._habits.learned < KNOWN_AFTER:
+            return False
         usual = max(most_curled(self._habits.own.posture), LEAST_USUAL_CURL)
         share, most = (STILL_OPEN_CURL, STILL_STRETCHED) if self._open else (OPEN_CURL, STRETCHED)
         return bool(most_curled(posture) < min(share * usual, most))
