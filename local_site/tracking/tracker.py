@@ -81,6 +81,7 @@ class TrackingReason(StrEnum):
     OTHER_HAND = "only a hand is seen that is not the operator's: hold up yours"
     OTHER_SIDE = "this looks like the other hand, or the pictures are mirrored; see tracking.learned.right_arm"
     LEARNING_ROOM = "learning the room: keep the arm out of the pictures for a second"
+    FIST = "the hand is closed, so that index and thumb hide their tips: open it to turn the tool"
     THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its position follows from the hand's shape"
     LEARNING = "learning the arm: hold it bent, thumb and index apart"
 

@@ -2,7 +2,6 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from statistics import median
 
 import numpy as np
@@ -10,7 +9,15 @@ import numpy as np
 from common.geometry import Array
 from local_site.calibration.triangulation import project, triangulate_many
 from local_site.tracking.landmarks.hand_landmarks import MIDDLE_KNUCKLE, WRIST
-from local_site.tracking.learned.finger_orders import in_likely_order, palm_extent, possible_orders, thumb_agrees
+from local_site.tracking.learned.finger_orders import (
+    in_likely_order,
+    is_as_told,
+    is_contradicted,
+    palm_extent,
+    possible_orders,
+    thumb_agrees,
+)
+from local_site.tracking.learned.fitted_hand import MAX_COST, FittedHand
 from local_site.tracking.learned.hand_starts import PALM_LANDMARKS, any_posture, pose_from_landmarks, scale_of
 from local_site.tracking.silhouette.hand_model.fit import (
     MIN_VIEWS,
@@ -31,62 +38,30 @@ from local_site.tracking.silhouette.hand_model.habits import (
     prior_information,
 )
 from local_site.tracking.silhouette.hand_model.landmark_equations import landmark_points
-from local_site.tracking.silhouette.hand_model.skeleton import PALM, HandPose, Person, most_curled
+from local_site.tracking.silhouette.hand_model.skeleton import (
+    PALM,
+    HandPose,
+    Person,
+    most_curled,
+)
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
-from local_site.tracking.silhouette.tips import INDEX, THUMB, Tip, find_tips
+from local_site.tracking.silhouette.tips import INDEX, THUMB, find_tips
 
-ITERATIONS = 6
+ITERATIONS, PLACING_ITERATIONS, SHARPENING_ITERATIONS = 6, 3, 4
+BESIDE_OUTLINE = 2.5  # times the landmarks' standard deviation
 START_ITERATIONS, START_SIGMAS = 5, 3.0
 LOOSE_WRIST_M = 0.03
 HABITUAL = 2.0  # mean squared deviation from a habit in its own standard deviations
-CLEARLY_BETTER = 0.9
+CLEARLY_BETTER, REVERSED_BETTER = 0.9, 0.7  # of the cost so far: of new starts as told, and with fingers reversed
 START_EVERY, WORSE, REMEMBERED_COSTS = 5, 1.2, 30
-MAX_COST = 1.5
+UNUSUAL, UNUSUAL_COST = 2.2, 0.5  # against the median, and at least
 LEAST_USUAL_CURL, MOST_GRIPPER_CURL = 0.3, 2.0  # rad, of a hand held like a gripper: no flat hand, no fist
 STRETCHED, STILL_STRETCHED = 0.4, 0.55  # rad, of the finger that is curled most in an open hand
 LEAST_SCALE, MOST_SCALE = 0.4, 2.0  # of a hand against the average one
-WRIST_SIGMA_M, HIDDEN_INDEX_SIGMA_M = 0.003, 0.006
 MOST_LANDMARK_MISFIT = 0.6  # of the palm's extent in the picture; index for little finger is more
-BELIEVED_AFTER = 3
+BELIEVED_AFTER, KNOWN_AFTER = 3, 10  # instants
 REMEMBERED_SCALES = 60
 MOST_STEP_M = 0.1  # between two instants: 3 m/s at 30 pairs/s
-
-
-@dataclass(frozen=True, slots=True)
-class FittedHand:
-    """A hand at one instant: the fit, the tips of index and thumb on the skin, and whether the fingers are open.
-
-    `landmark_views` and `outline_views` are how many views showed all its landmarks rightly, and its outline.
-    """
-
-    fit: HandFit
-    index: Tip
-    thumb: Tip
-    hand_open: bool
-    landmark_views: int
-    outline_views: int
-
-    @property
-    def wrist_covariance(self) -> Array:
-        """The wrist's covariance (3, 3) in m²: the fit's, and where in this hand the model's wrist is."""
-        return np.asarray(np.linalg.inv(self.fit.information)[:3, :3], dtype=np.float64) + WRIST_SIGMA_M**2 * np.eye(3)
-
-    @property
-    def index_covariance(self) -> Array:
-        """The index tip's covariance (3, 3) in m²; larger where no two outlines show its end before other fingers."""
-        hidden_m = 0.0 if self.index.views >= MIN_VIEWS else HIDDEN_INDEX_SIGMA_M
-        covariance: Array = self.index.covariance + hidden_m**2 * np.eye(3)
-        return covariance
-
-    @property
-    def is_clear(self) -> bool:
-        """Whether landmarks or outlines of two views show a hand that the model explains."""
-        return self.fit.cost < MAX_COST and max(self.landmark_views, self.outline_views) >= MIN_VIEWS
-
-    @property
-    def thumb_inferred(self) -> bool:
-        """Whether neither landmarks nor outlines of two views show the thumb."""
-        return self.landmark_views + self.thumb.views < MIN_VIEWS
 
 
 class FollowedHand:
@@ -112,24 +87,37 @@ class FollowedHand:
         """Start from an unknown pose with the next instant."""
         self._last, self._open, self._mistaken = None, False, 0
 
-    def track(self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None) -> FittedHand | None:
-        """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`; None without a start."""
+    def track(
+        self,
+        views: Sequence[HandView],
+        landmarks: Array,
+        arm: LimbEvidence | None,
+        *,
+        outlines_are_sharp: bool = False,
+    ) -> FittedHand | None:
+        """The hand of views with landmarks, whose triangulation (21, 3) in m is `landmarks`; None without a start.
+
+        `outlines_are_sharp` before a dark wall, where nothing else has edges.
+        """
         if not _show(views) or not LEAST_SCALE < scale_of(landmarks, self._right_arm) < MOST_SCALE:
             return None
         person = self._person(landmarks, arm)
-        fitted = self._fit(views, landmarks, arm, person)
+        fitted = self._fit(views, landmarks, arm, person, outlines_are_sharp=outlines_are_sharp)
         if fitted is None:
             return None
-        fit, views = fitted
-        self._last = fit.pose, landmarks, landmark_points(fit.spheres.centres)
+        told, (fit, views) = views, fitted
+        points = landmark_points(fit.spheres.centres)
+        self._last = fit.pose, landmarks, points
         self._mistaken = self._mistaken + 1 if fit.cost > MAX_COST else 0
         self._open = self._is_open(fit.pose.posture)
-        if not self._open and fit.cost < MAX_COST and most_curled(fit.pose.posture) < MOST_GRIPPER_CURL:
+        is_unusual = fit.cost > max(UNUSUAL * median(self._costs), UNUSUAL_COST)
+        doubtful = is_unusual or is_contradicted(told, points)
+        if not (self._open or self._mistaken or doubtful) and most_curled(fit.pose.posture) < MOST_GRIPPER_CURL:
             self._habits.learn_fit(fit)
         index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
         landmark_views = sum(len(view.landmarks) > 0 and not np.isnan(view.landmarks).any() for view in views)
         outline_views = sum(len(view.pixels) > 0 for view in views)
-        return FittedHand(fit, index, thumb, self._open, landmark_views, outline_views)
+        return FittedHand(fit, index, thumb, self._open, landmark_views, outline_views, doubtful)
 
     def track_outlines(self, views: Sequence[HandView], arm: LimbEvidence) -> FittedHand | None:
         """The hand of views without landmarks, near the last one moved with the arm; None without one near there."""
@@ -140,7 +128,13 @@ class FollowedHand:
         return None if float(np.linalg.norm(moved)) > MOST_STEP_M else self.track(views, landmarks + moved, arm)
 
     def _fit(
-        self, views: Sequence[HandView], landmarks: Array, arm: LimbEvidence | None, person: Person
+        self,
+        views: Sequence[HandView],
+        landmarks: Array,
+        arm: LimbEvidence | None,
+        person: Person,
+        *,
+        outlines_are_sharp: bool,
     ) -> tuple[HandFit, Sequence[HandView]] | None:
         """The best fit, and the views as they were believed for it.
 
@@ -148,15 +142,16 @@ class FollowedHand:
         """
         best: tuple[HandFit, Sequence[HandView]] | None = None
         for believed, start, belief in self._starts(views, landmarks, person):
-            fit = fit_hand(believed, start, _prior(belief, start, arm), person, ITERATIONS)
+            prior = _prior(belief, start, arm)
+            fit = _fitted(believed, start, prior, person, outlines_are_sharp=outlines_are_sharp)
             if best is None:
                 best = fit, believed
                 self._instants += 1
                 if self._instants % START_EVERY and self._costs and fit.cost < WORSE * median(self._costs):
                     break
-            elif fit.cost < CLEARLY_BETTER * best[0].cost and thumb_agrees(
-                believed, landmark_points(fit.spheres.centres)
-            ):
+                continue
+            better = CLEARLY_BETTER if is_as_told(believed, views) else REVERSED_BETTER
+            if fit.cost < better * best[0].cost and thumb_agrees(believed, landmark_points(fit.spheres.centres)):
                 best = fit, believed
         if best is not None:
             self._costs.append(best[0].cost)
@@ -181,7 +176,12 @@ class FollowedHand:
         return believed if _show(believed) else ordered
 
     def _is_open(self, posture: Array) -> bool:
-        """Whether all fingers are stretched well beyond their usual curl; with hysteresis (thesis 4.2)."""
+        """Whether all fingers are stretched well beyond their usual curl; with hysteresis (thesis 4.2).
+
+        Not before the operator's own curl is known: a U of nearly straight fingers would be open for ever.
+        """
+        if self._habits.learned < KNOWN_AFTER:
+            return False
         usual = max(most_curled(self._habits.own.posture), LEAST_USUAL_CURL)
         share, most = (STILL_OPEN_CURL, STILL_STRETCHED) if self._open else (OPEN_CURL, STRETCHED)
         return bool(most_curled(posture) < min(share * usual, most))
@@ -227,6 +227,25 @@ class FollowedHand:
             return orders
         self._turn = self._turn % (len(orders) - 1) + 1
         return [orders[0], orders[self._turn]]
+
+
+def _fitted(
+    views: Sequence[HandView], start: HandPose, prior: Prior, person: Person, *, outlines_are_sharp: bool
+) -> HandFit:
+    """The fit from a start.
+
+    Landmarks of one picture miss together. So beside sharp outlines they first bring each finger to its place, and then
+    count for less: with little weight from the start, a finger can stay in the outline of another.
+    """
+    if not outlines_are_sharp:
+        return fit_hand(views, start, prior, person, ITERATIONS)
+    placed = fit_hand(views, start, prior, person, PLACING_ITERATIONS)
+    return fit_hand([_blunted(view) for view in views], placed.pose, prior, person, SHARPENING_ITERATIONS)
+
+
+def _blunted(view: HandView) -> HandView:
+    """The view with landmarks that count for less where it has an outline."""
+    return view._replace(landmark_sigma=BESIDE_OUTLINE * view.landmark_sigma) if len(view.pixels) else view
 
 
 def _show(views: Sequence[HandView]) -> bool:

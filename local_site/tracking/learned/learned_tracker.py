@@ -12,7 +12,8 @@ from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.landmarks.models import view_hands
 from local_site.tracking.learned.acquaintance import Acquaintance
 from local_site.tracking.learned.arm_outlines import ArmOutlines
-from local_site.tracking.learned.followed_hand import FittedHand, FollowedHand
+from local_site.tracking.learned.fitted_hand import FittedHand
+from local_site.tracking.learned.followed_hand import FollowedHand
 from local_site.tracking.learned.hand_motion import HandMotion
 from local_site.tracking.learned.room_pictures import RoomPictures
 from local_site.tracking.silhouette.arm_finder import NoArm, SeenArm
@@ -107,7 +108,8 @@ class LearnedTracker:
             for k, matrix in enumerate(self._rig.matrices)
             if k in outlines or k in seen.views
         ]
-        return self._hand.track(views, seen.points, finder.evidence(arm) if isinstance(arm, SeenArm) else None)
+        evidence = finder.evidence(arm) if isinstance(arm, SeenArm) else None
+        return self._hand.track(views, seen.points, evidence, outlines_are_sharp=not self._outlines.in_room)
 
     def _with_landmarks(self, outline: HandView | None, matrix: Array, seen: SeenHand, k: int) -> HandView:
         view = outline or NO_VIEW._replace(projection=matrix, focal_px=focal_length(matrix))
@@ -127,12 +129,14 @@ class LearnedTracker:
         covariances = {
             "wrist": hand.wrist_covariance,
             "index": hand.index_covariance,
-            "thumb": hand.thumb.covariance,
+            "thumb": hand.thumb_covariance,
         }
         reasons = [] if hand.is_clear else [TrackingReason.HAND_UNCLEAR]
         if not self._rig.contains(wrist):
             reasons.append(TrackingReason.OUTSIDE_VOLUME)
         elbow_reason = self._judge_arm(arm, wrist, reasons)
+        if hand.is_fist:  # the arm is learned all the same
+            reasons.append(TrackingReason.FIST)
         overlays: tuple[Overlay, ...] = ()
         if isinstance(arm, SeenArm):
             self._outlines.finder.keep(arm, wrist)
@@ -143,6 +147,8 @@ class LearnedTracker:
         self._motion.add(t_ns, landmark_points(hand.fit.spheres.centres))
         self._outlined = self._operator.is_known and hand.is_clear and hand.outline_views >= MIN_VIEWS
         status, reason = self._operator.status(reasons, elbow_reason)
+        if status is TrackingStatus.TRACKED and hand.thumb_inferred:
+            reason = "; ".join(filter(None, [reason, TrackingReason.THUMB_INFERRED]))
         return ArmEstimate(
             t_ns,
             status,

@@ -22,8 +22,11 @@ from local_site.tracking.silhouette.hand_model.outline_equations import (
     touch,
 )
 from local_site.tracking.silhouette.hand_model.skeleton import (
+    ABDUCTION,
     MIDDLE_TIP,
+    PARAMETERS,
     POSE,
+    SPREAD,
     STATE,
     HandPose,
     HandSpheres,
@@ -41,6 +44,10 @@ OUTSIDE = (3.0, 2.0)
 MAX_TURN = 0.35
 SMALL_STEP = 0.01
 CONTAINED = 20
+# Angles, rad, at which joints stop: fingers do not cross, and a thumb does not pass through the palm.
+LEAST = np.full(PARAMETERS, -np.inf)
+LEAST[SPREAD], LEAST[ABDUCTION] = -0.2, 0.1
+STOP_SIGMA = 0.04
 
 
 class HandView(NamedTuple):
@@ -131,7 +138,7 @@ def _descend(
     """The improved hand, the views' information (16, 16), and the cost per outline pixel and landmark."""
     wrist, rotation, posture = start
     information, gradient = np.zeros((STATE, STATE)), np.zeros(STATE)
-    cost, strain = 0.0, np.zeros(STATE)
+    cost, stopped, strain = 0.0, 0.0, np.zeros(STATE)
     for _ in range(iterations):
         information[:], gradient[:] = 0.0, 0.0
         cost = _add_views(views, hand_spheres(HandPose(wrist, rotation, posture), person), information, gradient)
@@ -139,7 +146,9 @@ def _descend(
         strain[:3] = wrist - prior.wrist
         strain[3:POSE] = rotation_vector(rotation @ prior.rotation.T)
         strain[POSE:] = posture - prior.posture
-        step = np.linalg.solve(information + prior.information, -gradient - prior.information @ strain)
+        known = information + prior.information
+        stopped = _add_stops(posture, known, gradient)
+        step = np.linalg.solve(known, -gradient - prior.information @ strain)
         turn = max(np.sqrt(np.sum(step[3:POSE] ** 2)), np.abs(step[POSE:]).max())
         step = step * min(1.0, MAX_TURN / max(turn, 1e-9))
         wrist, rotation, posture = wrist + step[:3], turned(step[3:POSE]) @ rotation, posture + step[POSE:]
@@ -148,8 +157,21 @@ def _descend(
     count = 0
     for view in views:
         count += len(view.pixels) + len(view.landmarks)
-    strained = float(strain @ prior.information @ strain)
+    strained = float(strain @ prior.information @ strain) + stopped
     return HandPose(wrist, rotation, posture), information, (cost + strained) / max(count, 1)
+
+
+@compiled
+def _add_stops(posture: Array, information: Array, gradient: Array) -> float:
+    """Add the joints that are beyond their stops to the normal equations; returns their cost."""
+    cost = 0.0
+    for p in range(PARAMETERS):
+        beyond = (posture[p] - LEAST[p]) / STOP_SIGMA
+        if beyond < 0.0:
+            information[POSE + p, POSE + p] += 1 / STOP_SIGMA**2
+            gradient[POSE + p] += beyond / STOP_SIGMA
+            cost += beyond * beyond
+    return cost
 
 
 @compiled

@@ -9,7 +9,7 @@ import pytest
 from common.geometry import Array
 from local_site.calibration.rig import Rig
 from local_site.simulation.config import BodyConfig, MotionConfig
-from local_site.simulation.hand import Hand
+from local_site.simulation.hand import U_SHAPE, FingerPosture, Hand
 from local_site.simulation.motion import Motion
 from local_site.tracking.config import LearnedConfig
 from local_site.tracking.landmarks.hand_pairing import HandPairing, SeenHand
@@ -26,11 +26,13 @@ JOINTS = 20
 MIDDLE_KNUCKLE = 4
 
 
-def simulated_landmarks(sequence: Sequence, k: int, motion: MotionConfig = MOVING) -> Array:
-    """The landmarks (21, 3) in m of the average simulated hand at the k-th instant."""
+def simulated_landmarks(
+    sequence: Sequence, k: int, motion: MotionConfig = MOVING, rest: FingerPosture = U_SHAPE
+) -> Array:
+    """The landmarks (21, 3) in m of the average simulated hand at the k-th instant, held as at `rest` while closed."""
     body = BodyConfig()
     pose = Motion(motion, body, 1).pose(sequence.times_s[k])
-    joints = Hand(body.hand_scale).balls(pose.openness)[:JOINTS]
+    joints = Hand(body.hand_scale, rest).balls(pose.openness)[:JOINTS]
     fingers, thumb = joints[: JOINTS - 4], joints[JOINTS - 4 :]
     local = np.vstack([CREASE * fingers[MIDDLE_KNUCKLE], thumb, fingers])
     landmarks: Array = pose.wrist + local @ pose.operator_R_hand.T

@@ -7,6 +7,8 @@ from local_site.calibration.triangulation import project, triangulate_many
 from local_site.tracking.learned.finger_orders import (
     REVERSED,
     in_likely_order,
+    is_as_told,
+    is_contradicted,
     possible_orders,
     reversed_fingers,
     thumb_agrees,
@@ -20,6 +22,7 @@ from tests.local_site.tracking.silhouette.hand_model.posed_hands import PERSON, 
 
 SIGMA_PX = 4.0
 NEAR_M, FAR_M = 0.008, 0.015
+ACROSS_M = np.array([0.0, 0.0, 0.1])
 INDEX, LITTLE_FINGER, THUMB = slice(5, 9), slice(17, 21), slice(1, 5)
 TURNS = {"usual": (0.0, 0.0, 0.0), "aslant": (0.6, 0.3, -0.4)}
 
@@ -106,3 +109,21 @@ def test_a_thumb_on_the_wrong_side_disagrees():
     assert not thumb_agrees(views, wrong)
     thumbless = [view._replace(landmarks=reversed_fingers(view.landmarks)) for view in views]
     assert thumb_agrees(thumbless, wrong)
+
+
+@pytest.mark.parametrize("finger", [THUMB, INDEX], ids=["thumb", "index"])
+def test_a_hand_is_contradicted_where_every_view_tells_a_finger_elsewhere(finger):
+    views, points = views_of(pose_of()), landmarks_of(pose_of())
+    wrong = points.copy()
+    wrong[finger] += ACROSS_M
+    assert is_contradicted(views, wrong)
+    assert not is_contradicted(views, points)
+    assert not is_contradicted([view._replace(landmarks=np.empty((0, 2))) for view in views], wrong)
+    agreeing = views[0]._replace(landmarks=project(views[0].projection, wrong))
+    assert not is_contradicted([agreeing, views[1]], wrong)
+
+
+def test_views_are_as_told_while_their_landmarks_are():
+    views = views_of(pose_of())
+    assert is_as_told(list(views), views)
+    assert not is_as_told([views[0], views[1]._replace(landmarks=reversed_fingers(views[1].landmarks))], views)

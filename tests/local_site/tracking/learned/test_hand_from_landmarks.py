@@ -4,13 +4,16 @@ import numpy as np
 import pytest
 
 from local_site.calibration.triangulation import triangulate_many
-from local_site.tracking.learned.followed_hand import FollowedHand
+from local_site.tracking.learned.followed_hand import KNOWN_AFTER, FollowedHand
 from local_site.tracking.learned.hand_starts import FIST, FLAT, POINTING
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, OPEN
 from local_site.tracking.silhouette.hand_model.skeleton import (
+    EXTRA_CURL,
     INDEX_TIP,
+    MCP_CURL,
     PALM,
     PARAMETERS,
+    PIP_CURL,
     THUMB_TIP,
     Person,
     hand_spheres,
@@ -55,8 +58,17 @@ def test_a_hand_is_found_to_a_millimetre(posture, turn):
     found = fitted(pose)
     assert errors_m(found, pose).max() < EXACT_M
     assert found.is_clear
-    assert not found.thumb_inferred
     assert found.fit.cost < 0.05
+
+
+@pytest.mark.parametrize("posture", POSTURES)
+def test_a_thumb_before_bent_fingers_is_inferred(posture):
+    assert fitted(pose_of(posture=POSTURES[posture])).thumb_inferred == (posture in ("fist", "pointing"))
+
+
+@pytest.mark.parametrize("posture", POSTURES)
+def test_only_a_fist_hides_the_index(posture):
+    assert fitted(pose_of(posture=POSTURES[posture])).is_fist == (posture == "fist")
 
 
 @pytest.mark.parametrize("scale", [0.8, 0.9, 1.15])
@@ -111,10 +123,23 @@ def test_an_open_hand_is_open_and_a_gripper_or_a_fist_is_not():
     opened = np.zeros(PARAMETERS)
     opened[:PALM] = OPEN
     hand, seen = FollowedHand(True, None), []
+    fitted(pose_of(), hand=hand, instants=KNOWN_AFTER)
     for posture in (GRIPPER, opened, GRIPPER, FIST):
         hand.forget()
         seen.append(fitted(pose_of(posture=posture), hand=hand).hand_open)
     assert seen == [False, True, False, False]
+
+
+@pytest.mark.parametrize("curl", [0.25, 0.35])
+def test_a_gripper_of_nearly_straight_fingers_is_not_open(curl):
+    nearly_straight = GRIPPER.copy()
+    nearly_straight[[MCP_CURL, PIP_CURL, EXTRA_CURL]] = (0.4 * curl, 0.6 * curl, 0.0)
+    hand = FollowedHand(True, None)
+    seen = [fitted(pose_of(posture=nearly_straight), hand=hand, instants=1).hand_open for _ in range(3 * KNOWN_AFTER)]
+    assert not any(seen)
+    opened = nearly_straight.copy()
+    opened[: len(OPEN)] = OPEN
+    assert fitted(pose_of(posture=opened), hand=hand).hand_open
 
 
 def test_one_view_is_not_enough_to_be_clear():

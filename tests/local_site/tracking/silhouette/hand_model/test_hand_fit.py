@@ -7,12 +7,14 @@ from local_site.tracking.silhouette.hand_model.fit import Prior, contact, fit_ha
 from local_site.tracking.silhouette.hand_model.habits import GRIPPER, Habits
 from local_site.tracking.silhouette.hand_model.skeleton import (
     INDEX_TIP,
+    SPREAD,
     THUMB_TIP,
     HandPose,
     Person,
     hand_spheres,
     turned,
 )
+from tests.local_site.tracking.landmarks.seen_hands import landmark_views, landmarks_of
 from tests.local_site.tracking.silhouette.hand_model.posed_hands import (
     MIRROR,
     PERSON,
@@ -30,6 +32,7 @@ TIP_M, OUTLINE_PX = 0.003, 0.3
 RETURNS = [(8.0, 5.0, 0.8), (15.0, 10.0, 0.45)]
 # Outline pixels are uncertain by SIGMA px; a hand drawn by the model itself costs a fiftieth of a real one's.
 GOOD_COST = 0.05
+CROSSED = -0.4  # rad
 
 
 def unit(random):
@@ -103,6 +106,15 @@ def test_without_outlines_the_prior_alone_counts():
 
 def _without_outline(view):
     return view._replace(pixels=np.empty((0, 2)), field=np.full_like(view.field, 1e3))
+
+
+def test_fingers_do_not_cross():
+    crossed = GRIPPER.copy()
+    crossed[SPREAD] = CROSSED
+    pose = pose_of(posture=crossed)
+    fit = fit_hand(landmark_views(landmarks_of(pose), sigma_px=6.0), pose, prior_of(pose), PERSON, ITERATIONS)
+    assert fit.pose.posture[SPREAD] > 0.5 * CROSSED
+    assert fit.cost > GOOD_COST
 
 
 @pytest.mark.parametrize("turn", [(0.1, 0.2, -0.1), (-0.3, -0.1, 0.2)])
