@@ -26,8 +26,19 @@ PRINTED_HEAD = ("source", "what", "printed", "Farhand", "ratio")
 DRAWN_HEAD = ("source", "what", "file")
 PLACING_COUNTS = ("drops", "collisions", "grasps_missed", "holds")
 PLACING_HEAD = (
-    *("rotations", "tracker", "placed", "time, s", "x, mm", "y, mm", "angle, deg", "drops", "collisions"),
-    *("missed", "holds", "clutches", "grip, N"),
+    "rotations",
+    "tracker",
+    "placed",
+    "time, s",
+    "x, mm",
+    "y, mm",
+    "angle, deg",
+    "drops",
+    "collisions",
+    "missed",
+    "holds",
+    "clutches",
+    "grip, N",
 )
 NETWORK_HEAD = ("network", "placed", "time, s", "x, mm", "y, mm", "angle, deg", "pictures, ms old")
 THESIS = "The thesis: markerless stereo hand-arm tracking (2004)"

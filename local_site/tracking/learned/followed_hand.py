@@ -105,18 +105,18 @@ class FollowedHand:
         fitted = self._fit(views, landmarks, arm, person, outlines_are_sharp=outlines_are_sharp)
         if fitted is None:
             return None
-        told, (fit, views) = views, fitted
+        fit, believed = fitted
         points = landmark_points(fit.spheres.centres)
         self._last = fit.pose, landmarks, points
         self._mistaken = self._mistaken + 1 if fit.cost > MAX_COST else 0
         self._open = self._is_open(fit.pose.posture)
         is_unusual = fit.cost > max(UNUSUAL * median(self._costs), UNUSUAL_COST)
-        doubtful = is_unusual or is_contradicted(told, points)
+        doubtful = is_unusual or is_contradicted(views, points)
         if not (self._open or self._mistaken or doubtful) and most_curled(fit.pose.posture) < MOST_GRIPPER_CURL:
             self._habits.learn_fit(fit)
-        index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
-        landmark_views = sum(len(view.landmarks) > 0 and not np.isnan(view.landmarks).any() for view in views)
-        outline_views = sum(len(view.pixels) > 0 for view in views)
+        index, thumb = find_tips(believed, fit.spheres, (INDEX, THUMB))
+        landmark_views = sum(len(view.landmarks) > 0 and not np.isnan(view.landmarks).any() for view in believed)
+        outline_views = sum(len(view.pixels) > 0 for view in believed)
         return FittedHand(fit, index, thumb, self._open, landmark_views, outline_views, doubtful)
 
     def track_outlines(self, views: Sequence[HandView], arm: LimbEvidence) -> FittedHand | None:

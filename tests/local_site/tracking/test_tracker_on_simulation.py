@@ -30,7 +30,7 @@ MOTION_MM = {
     "moving": {"elbow": 0.5, "wrist": 0.8, "index": 2.2, "thumb": 0.5},
     "turning": {"elbow": 0.9, "wrist": 1.0, "index": 7.5, "thumb": 0.7},
 }
-OUT_OF_PHASE_M = {"elbow": 0.0004, "wrist": 0.001}
+OUT_OF_PHASE_M = {"elbow": 0.0004, "wrist": 0.0005}
 
 
 def tracker_of(sequence):
