@@ -15,7 +15,7 @@ from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, 
 from local_site.tracking.silhouette.hand_model.landmark_equations import landmark_of
 from local_site.tracking.silhouette.hand_model.skeleton import CAPSULES, INDEX_TIP, THUMB_TIP, HandSpheres
 
-FREEDOM_M, SEEN_FREEDOM_M = 0.008, 0.02  # of a tip in its model, without and with landmarks
+FREEDOM_M = 0.008  # of a tip in its model
 SHAPE_SIGMA_M = 0.001
 MISFIT_WEIGHT = 0.1
 PIXEL_SIGMA = 1.4
@@ -109,13 +109,13 @@ def _settle(
     """Move a tip to its edges: its shift (3,), the covariance (3, 3) of that, and how many views show it in outline.
 
     `capsules` (M,) are those that each outline pixel of a view touches; `owned` marks those (K,) that end in the tip.
+    Grey edges serve only without landmarks, which find the tip better where another finger or the room has edges too.
     """
-    shift, information, seen, freedom = np.zeros(3), np.eye(3), 0, FREEDOM_M
+    shift, information, seen, has_landmark = np.zeros(3), np.eye(3), 0, False
     for view in views:
-        if _shows(view, landmark):
-            freedom = SEEN_FREEDOM_M
+        has_landmark = has_landmark or _shows(view, landmark)
     for _ in range(STEPS):
-        information, pull, seen = np.eye(3) / freedom**2, shift / freedom**2, 0
+        information, pull, seen = np.eye(3) / FREEDOM_M**2, shift / FREEDOM_M**2, 0
         moved = (tip[0] + shift, tip[1] + shift, tip[2])
         for k in range(len(views)):
             view = views[k]
@@ -130,7 +130,7 @@ def _settle(
             ahead = _add_outline(circle, view.outline, owned, capsules[k], information, pull)
             if ahead >= max(MIN_PIXELS, END_RADII * circle[1]):
                 seen += 1
-            else:
+            elif not has_landmark:
                 _add_grey_edges(circle, view, information, pull)
         shift = shift - np.linalg.solve(information, pull)
     return shift, np.linalg.inv(information).astype(np.float64), seen
