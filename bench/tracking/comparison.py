@@ -14,6 +14,7 @@ from bench.tracking.contender import Contender
 from bench.tracking.figures import NEES, RANK, SETTLED, Found, TrackingFigures, flat, judge
 from bench.tracking.filmed_scenes import filmed_scenes
 from bench.tracking.mediapipe_hands import MediaPipeHands, install
+from bench.tracking.real_film import REAL, measure_real
 from bench.tracking.scenes import RECORDINGS, TrackingScene, recorded_scenes, simulated_scenes
 from common.errors import NotInstalledError
 from local_site.simulation.body import ArmTruth
@@ -30,6 +31,7 @@ NEEDED = {
 COLUMNS = {  # heading: figure (errors in mm, bias in the operator frame), decimals
     "frames": ("frames", 0),
     "mean": ("mean mm", 1),
+    "relative": ("relative mm", 1),
     "p95": ("p95 mm", 1),
     "max": ("max mm", 1),
     "bias x": ("bias x mm", 1),
@@ -141,8 +143,23 @@ def measure() -> dict[str, float]:
         for scene in scenes:
             figures |= comparison.measure(scene)
         totals = comparison.totals()
+    figures |= _real_film(console)
     console.print("\n".join(f"{figure}: {value:.1f}" for figure, value in totals.items()))
     return totals | figures
+
+
+def _real_film(console: Console) -> dict[str, float]:
+    """The figures of the real film by name; prints them, or why there are none."""
+    if not REAL.exists():
+        console.print(f"real film skipped: {REAL.name} of the shared data is not beside this checkout")
+        return {}
+    try:
+        figures = measure_real()
+    except NotInstalledError as error:
+        console.print(f"real film skipped: {error}")
+        return {}
+    console.print("real film, learned", *(f"{figure}: {value:.1f}" for figure, value in figures.items()), sep="\n")
+    return {f"real film, learned, {figure}": value for figure, value in figures.items()}
 
 
 def as_table(scene: str, by_tracker: Mapping[str, TrackingFigures], notes: tuple[str, ...]) -> Group:
@@ -165,4 +182,7 @@ def _in_words(whole: Mapping[str, float]) -> str:
     wall = f"median {whole['median ms per pair']:.1f}, p95 {whole['p95 ms per pair']:.1f} ms a pair"
     gaps = f"{whole['frames without result']:.0f} of {whole['frames']:.0f} frames without result"
     toggles = f"; {whole['toggles']:.0f} toggles of {whole['true toggles']:.0f}" if "toggles" in whole else ""
-    return f"{wall} (processor {whole['median processor ms per pair']:.1f}); {gaps}{toggles}"
+    rotation = ""
+    if "rotation mean deg" in whole:
+        rotation = f"; rotation {whole['rotation mean deg']:.1f} deg, p95 {whole['rotation p95 deg']:.1f}"
+    return f"{wall} (processor {whole['median processor ms per pair']:.1f}); {gaps}{toggles}{rotation}"

@@ -4,6 +4,7 @@ import time
 
 from bench.tracking.figures import Found
 from bench.tracking.scenes import TrackingScene
+from common.messages.hand import TrackingStatus
 from local_site.samples.hand_sample import GestureConfig, OpenHand
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.config import Method
@@ -32,5 +33,6 @@ class Contender:
             processor_ms=processor_ms,
             covariances=estimate.covariances,
             thumb_inferred=estimate.thumb_inferred,
+            is_tracked=estimate.status is TrackingStatus.TRACKED,
             toggles=self._hand.toggles,
         )

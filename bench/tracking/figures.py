@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 from scipy.stats import rankdata
 
-from common.geometry import Array
+from common.geometry import Array, hand_rotation
 from local_site.simulation.body import ArmTruth
 
 SETTLED = 10
@@ -18,8 +19,8 @@ NEES, RANK = "normalised error squared (3)", "rank correlation of sigma and erro
 class Found:
     """What was made of one pair: the points (3,) in m that were found, their covariances (3, 3) in m², and the cost.
 
-    `toggles` is the count so far, None where openings are not counted; `wall_ms` and `processor_ms` are the time that
-    passed and the time computed.
+    `is_tracked` is whether it may turn the tool; `toggles` is the count so far, None where openings are not counted;
+    `wall_ms` and `processor_ms` are the time that passed and the time computed.
     """
 
     points: Mapping[str, Array]
@@ -27,6 +28,7 @@ class Found:
     processor_ms: float
     covariances: Mapping[str, Array]
     thumb_inferred: bool = False
+    is_tracked: bool = True
     toggles: int | None = None
 
 
@@ -34,8 +36,9 @@ class Found:
 class TrackingFigures:
     """One tracker on one recording, after the first frames: figures of the whole, and of each point, by name.
 
-    `points` has the points that were found at least once: errors in mm, NEES, which is 3 where the covariances are
-    consistent with the errors, and RANK, how well sigma ranks the errors; the last two are NaN without covariances.
+    `points` has the points that were found at least once: errors in mm, relative ones after a constant offset; NEES,
+    which is 3 where the covariances are consistent with the errors; RANK, how well sigma ranks the errors. The last two
+    are NaN without covariances.
     """
 
     whole: Mapping[str, float]
@@ -53,6 +56,7 @@ def judge(found: Sequence[Found], truth: Sequence[ArmTruth], needed: Sequence[st
         "frames": float(len(after)),
         "frames without result": float(sum(any(name not in f.points for name in needed) for f in after)),
     }
+    whole |= rotation_figures(after, truth[SETTLED:])
     if found[-1].toggles is not None:
         whole |= {"toggles": float(found[-1].toggles), "true toggles": float(openings(truth))}
     points = {point: _judge_point(point, after, truth[SETTLED:]) for point in POINTS}
@@ -63,6 +67,23 @@ def flat(figures: TrackingFigures) -> dict[str, float]:
     """All figures by name, without those that are not a number."""
     of_points = {f"{point}, {name}": value for point, of in figures.points.items() for name, value in of.items()}
     return {name: value for name, value in {**figures.whole, **of_points}.items() if np.isfinite(value)}
+
+
+def rotation_figures(found: Sequence[Found], truth: Sequence[ArmTruth]) -> dict[str, float]:
+    """How far the hand's frame is turned from the true one in deg, after a constant offset, while it turns the tool."""
+    offsets = []
+    for each, true in zip(found, truth, strict=True):
+        if true.hand_open or not each.is_tracked or not {"wrist", "index", "thumb"} <= each.points.keys():
+            continue
+        seen = hand_rotation(*(each.points[name] for name in ("wrist", "index", "thumb")))
+        right = hand_rotation(true.wrist, true.index, true.thumb)
+        if seen is not None and right is not None:
+            offsets.append(right.T @ seen)
+    if not offsets:
+        return {}
+    rotations = Rotation.from_matrix(np.array(offsets))
+    deg = np.degrees((rotations.mean().inv() * rotations).magnitude())
+    return {"rotation mean deg": float(np.mean(deg)), "rotation p95 deg": float(np.percentile(deg, 95))}
 
 
 def openings(truth: Sequence[ArmTruth]) -> int:
@@ -88,6 +109,7 @@ def _judge_point(point: str, found: Sequence[Found], truth: Sequence[ArmTruth]) 
     return {
         "frames": float(len(chosen)),
         "mean mm": float(np.mean(sizes_mm)),
+        "relative mm": float(np.mean(np.linalg.norm(1e3 * (errors - np.mean(errors, axis=0)), axis=1))),
         "p95 mm": float(np.percentile(sizes_mm, 95)),
         "max mm": float(np.max(sizes_mm)),
         **{f"bias {axis} mm": float(value) for axis, value in zip("xyz", bias_mm, strict=True)},

@@ -3,19 +3,15 @@
 from collections.abc import Iterator
 
 from bench.tracking.films.film import TrackingFilm
-from bench.tracking.films.listing import composed_films, mesh_films
+from bench.tracking.films.listing import composed_films, right_arm_films
 from bench.tracking.scenes import ANY_BARE_ARM, RECORDINGS, Instant, TrackingScene
 
-MESHED = ("office, medium, carry, empty first", "wood, light, toggle, empty first", "office, close, flat hand turns")
-COMPOSED = ("recorded yz, light, office", "recorded toggle, medium, wood")
 SEED = 1
 
 
 def filmed_scenes() -> list[TrackingScene]:
-    """A few films of the mesh, and of the recorded arm where the recordings are."""
-    films = [film for film in mesh_films(SEED) if film.name in MESHED]
-    if RECORDINGS.exists():
-        films += [film for film in composed_films(SEED) if film.name in COMPOSED]
+    """The films of a right arm: of the mesh, and of the recorded arm where the recordings are."""
+    films = right_arm_films(SEED) + (composed_films(SEED) if RECORDINGS.exists() else [])
     return [filmed(film) for film in films]
 
 

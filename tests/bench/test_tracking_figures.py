@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 from rich.console import Console
+from scipy.spatial.transform import Rotation
 
 from bench.tracking.comparison import as_table
 from bench.tracking.figures import SETTLED, Found, flat, judge, normalised_square, openings, rank_correlation
@@ -102,3 +103,24 @@ def test_the_table_tells_both_trackers_and_why_one_is_missing():
     assert "ours: median 2.0, p95 2.0 ms" in text
     assert "0 of 4 frames without result; 1 toggles of 0" in text
     assert "another skipped: no network" in text
+
+
+def test_a_relative_error_does_not_count_a_constant_offset():
+    moved = [found({"index": INDEX + OFF + [0.0, 0.0, 0.002 * (-1) ** k]}) for k in range(4)]
+    index = judge([found()] * SETTLED + moved, truth(SETTLED + 4), ()).points["index"]
+    assert index["relative mm"] == pytest.approx(2.0)
+    assert index["mean mm"] > 4.0
+
+
+def turned(deg):
+    """The hand turned about the wrist."""
+    rotation = Rotation.from_euler("x", deg, degrees=True)
+    return {name: WRIST + rotation.apply(POINTS[name] - WRIST) for name in ("index", "thumb")}
+
+
+def test_a_rotation_is_measured_after_a_constant_offset_and_only_while_it_turns_the_tool():
+    steady = [found(turned(deg)) for deg in (17.0, 23.0)]
+    not_counted = [found(turned(90.0), is_tracked=False), Found({"wrist": WRIST}, 1.0, 1.0, covariances={})]
+    figures = judge([found()] * SETTLED + steady + not_counted, truth(SETTLED + 4), ())
+    assert figures.whole["rotation mean deg"] == pytest.approx(3.0)
+    assert "rotation mean deg" not in judge([not_counted[1]] * (SETTLED + 1), truth(SETTLED + 1), ()).whole

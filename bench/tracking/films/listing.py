@@ -62,6 +62,11 @@ def mesh_films(seed: int) -> list[TrackingFilm]:
     return [mesh_film(replace(config, seed=seed)) for config in _MESHED]
 
 
+def right_arm_films(seed: int) -> list[TrackingFilm]:
+    """Those films of the mesh that show a right arm."""
+    return [mesh_film(replace(config, seed=seed)) for config in _MESHED if config.arm is not None and config.arm.right]
+
+
 def composed_films(seed: int) -> list[TrackingFilm]:
     """The films composed of recordings, with rooms of this seed."""
     return [composed_film(replace(config, seed=seed)) for config in _COMPOSED]
