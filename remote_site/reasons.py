@@ -143,6 +143,7 @@ class Code(StrEnum):
     )
     STANCE = "stance", "the target needs another IK configuration, {move_deg:.0f} deg of {joint} away"
     SATURATED = "saturated", "the target is {distance_mm:.0f} mm ahead of the arm and held at {limit_mm:.0f} mm"
+    OUTSIDE_BOX = "outside_box", "the hand asks for {excess_mm:.0f} mm beyond the workspace: the tool stays at its edge"
     NOT_A_POSE = "not_a_pose", "the target is not a finite rigid pose"
     UNREACHED = "unreached", "the arm comes no nearer to the target than {distance_mm:.0f} mm and {angle_deg:.0f} deg"
     SINGULAR = "singular", "near a singular posture (condition {condition:.0f}): slowed to {fraction:.0%}"

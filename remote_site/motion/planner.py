@@ -48,7 +48,7 @@ class MotionPlanner:
     def aim(self, target: ToolSample, q: Array) -> None:
         """Take a new target of the tool, for an arm at `q` (n,) rad."""
         unreached = self._tracker.aim(target, q)
-        self._hindrance = target.leashed or unreached
+        self._hindrance = target.leashed or unreached or target.boxed
         self._unjudged += 1
 
     def stop(self, sent: JointMotion) -> JointMotion:

@@ -31,9 +31,9 @@ class ToolSample:
 
     `base_T_target` (4 x 4) holds for the time `t_ns` and is known since `now_ns`; `elbow` is the operator's from the
     wrist (3,) in m in the base's axes, None while it is not seen; `leashed` is why the leash holds the target (then
-    it moves only with the arm), None while it does not. It is extrapolated `stretch` times as long as configured.
-    `spare` is the fraction of the catch-up speed (`catch_up.py`) with which it does not move itself, `speed` the
-    fraction of full speed at which the arm follows.
+    it moves only with the arm), `boxed` why the workspace's box does; both None while they do not. It is extrapolated
+    `stretch` times as long as configured. `spare` is the fraction of the catch-up speed (`catch_up.py`) with which it
+    does not move itself, `speed` the fraction of full speed at which the arm follows.
     """
 
     t_ns: int
@@ -44,6 +44,7 @@ class ToolSample:
     stretch: float = 1.0
     spare: float = 1.0
     speed: float = 1.0
+    boxed: Reason | None = None
 
 
 class TargetTracker(Protocol):

@@ -10,6 +10,7 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.jerk_limited import leash
 from remote_site.motion.target_tracker import ToolSample
+from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.clearance import Workspace
 from remote_site.session.samples import Accepted
 from remote_site.teleop.config import MappingConfig
@@ -20,6 +21,7 @@ from remote_site.teleop.mapping import make_mapping
 LONGEST_STEP_S = 0.1  # between samples
 MOST_PREDICTED_NS = 100 * NS_PER_MS  # of the way from exposure to arrival: a longer prediction overshoots
 LED_SPARE = 0.1  # of the catch-up speed: what a led target leaves of it
+FELT_EXCESS_M = 0.002  # beyond the box: less is not told
 AGE_MEMORY = 1 / 30  # weight of the newest sample in the mean age
 
 
@@ -125,12 +127,18 @@ class ToolTarget:
         self, target: Array, measured: Array, sample: Accepted, now_ns: int, stretch: float, spare: float
     ) -> ToolSample:
         """A target (4 x 4), which it may change, brought into the workspace box and within the leash."""
+        boxed = self._boxed(target[:3, 3])
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
         self.base_T_tool, leashed = leash(target, measured, *self._leash)
         self._followed = sample
         elbow = self._mapping.elbow(sample.sample.wrist, sample.elbow)
         t_ns = self._holds_at_ns(sample, now_ns)
-        return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, stretch, spare)
+        return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, stretch, spare, boxed=boxed)
+
+    def _boxed(self, wanted: Array) -> Reason | None:
+        """Why the box holds a target at a position (3,) that the hand asks for."""
+        excess_m = self._workspace.excess(wanted)
+        return reason(Code.OUTSIDE_BOX, excess_mm=1e3 * excess_m) if excess_m > FELT_EXCESS_M else None
 
     def _holds_at_ns(self, sample: Accepted, now_ns: int) -> int:
         """The time for which the target is taken: the exposure, or later where a prediction from it would overshoot."""

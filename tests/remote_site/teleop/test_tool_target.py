@@ -80,6 +80,16 @@ def test_the_box_comes_before_the_leash():
     assert aimed.base_T_target[:3, 3] == pytest.approx([*TOOL[:2, 3], workspace().upper[2]])
 
 
+def test_a_target_that_the_box_holds_is_told_with_how_far_the_hand_is_beyond_it():
+    above = workspace().upper[2] - TOOL[2, 3]
+    target = captured(leash_m=1.0)
+    boxed = target.aim(sample((0.0, 0.0, above + 0.05)), AS_GRANTED, START, NOW).boxed
+    assert boxed.code is Code.OUTSIDE_BOX
+    assert "50 mm" in boxed.sentence
+    assert target.aim(sample((0.0, 0.0, above + 0.001)), AS_GRANTED, START, NOW).boxed is None
+    assert target.aim(sample((0.0, 0.0, above - 0.1)), AS_GRANTED, START, NOW).boxed is None
+
+
 def test_a_clutch_goes_on_from_the_leashed_target():
     target, far, further = captured(leash_m=0.1), (0.0, 0.3, 0.0), (0.0, 0.3, -0.05)
     leashed = target.aim(sample(far), AS_GRANTED, START, NOW).base_T_target
