@@ -166,6 +166,8 @@ class Hub:
         now_ns = self._clock.now_ns()
         clock = self._watch.estimate(now_ns), self._watch.round_trip_ms
         self._latencies.add_clock(*clock, now_ns)
+        if self._newest.state is not None:
+            self._history.watch_silence(self._newest.state_ns, now_ns)
         if not self._pages:
             return
         seat, settings = self._handler.seat, self._handler.settings
@@ -195,7 +197,7 @@ class Hub:
         known = self._watch.estimate(now_ns)
         remote = known.offset if known is not None else None
         sent = self._sent.base_T_tool(now_ns, remote)
-        tools = tools_json(self._newest.state, self._newest.hand, sent, remote)
+        tools = tools_json(self._newest.state, self._newest.hand, sent, self._sent.wanted, remote)
         for page in self._pages:
             page.newest("tools", tools)
 

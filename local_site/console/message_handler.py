@@ -200,7 +200,7 @@ class PageMessageHandler:
             )
             return
         self.seat.interrupt()
-        self._history.note("stop", f"stop asked by {page.visitor}", now_ns)
+        self._history.note_once("stop", f"stop asked by {page.visitor}", now_ns)
         self._pools.stop(page, message.id)
 
     def _if_operating(self, page: Page, number: int, act: Callable[[], Reply], what: str) -> None:

@@ -77,7 +77,8 @@ class RequestPools:
         now_ns = time.monotonic_ns()
         took_ms = (now_ns - asked_ns) / NS_PER_MS
         outcome = f"done in {took_ms:.0f} ms" if reply.done else "waits" if reply.code == WAITING else "refused"
-        self._history.note(what, f"{what} {outcome}: {reply.reason}", now_ns)
+        note = self._history.note if reply.done else self._history.note_once
+        note(what, f"{what} {outcome}: {reply.reason}", now_ns)
         answer(page, number, what, reply, took_ms)
 
     def _begin(self, work: Coroutine[None, None, None]) -> None:

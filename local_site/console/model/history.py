@@ -4,11 +4,13 @@ from collections import deque
 from dataclasses import dataclass
 
 from common.clock import NS_PER_S
+from common.link.channels import STATE
 from common.messages.robot import RobotState
 
 KEPT = 30
 TROUBLE_NS = 3 * NS_PER_S  # near a limit trouble comes and goes
 SHIFT_MM, SHIFT_DEG = 1.0, 1.0  # a smaller shift of the reference is not noted
+REPEAT_NS = 3 * NS_PER_S  # a page asks for a stop each second until it is acknowledged: that is one event
 QUIET_NS = NS_PER_S  # at most one change of the code a second: while engaged it may change at every tick
 
 
@@ -31,6 +33,8 @@ class History:
         self._last: dict[str, str] = {}
         self._noted_ns = 0
         self._trouble_ns: dict[str, int] = {}
+        self._said_ns: dict[str, int] = {}
+        self._silent_since_ns: int | None = None
 
     def note(self, kind: str, text: str, now_ns: int) -> None:
         """Note an event."""
@@ -42,6 +46,25 @@ class History:
         if self._last.get(topic) != text:
             self._last[topic] = text
             self.note(kind, text, now_ns)
+
+    def note_once(self, kind: str, text: str, now_ns: int) -> None:
+        """Note an event, unless it is only said again."""
+        last_ns = self._said_ns.get(text)
+        self._said_ns = {said: t_ns for said, t_ns in self._said_ns.items() if now_ns - t_ns < REPEAT_NS}
+        self._said_ns[text] = now_ns
+        if last_ns is None or now_ns - last_ns >= REPEAT_NS:
+            self.note(kind, text, now_ns)
+
+    def watch_silence(self, heard_ns: int, now_ns: int) -> None:
+        """Note that the remote site has fallen silent, last heard at `heard_ns`, and that it answers again."""
+        is_silent = now_ns - heard_ns > STATE.stale_after_ns
+        if is_silent and self._silent_since_ns is None:
+            self._silent_since_ns = heard_ns
+            self.note("fault", "the remote site has fallen silent", now_ns)
+        elif not is_silent and self._silent_since_ns is not None:
+            silent_s = (now_ns - self._silent_since_ns) / NS_PER_S
+            self._silent_since_ns = None
+            self.note("link", f"the remote site answers again after {silent_s:.1f} s", now_ns)
 
     def add_state(self, state: RobotState, now_ns: int) -> None:
         """Note a change of state, of its code, of the links' trouble, or of who holds the lease."""

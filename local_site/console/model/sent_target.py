@@ -29,6 +29,12 @@ class SentTarget:
         self._samples: deque[HandArm] = deque(maxlen=KEPT)
         self._replay: _Replay | None = None
         self._state: RobotState | None = None
+        self._wanted: Array | None = None
+
+    @property
+    def wanted(self) -> Array | None:
+        """Where the hand would have the tool (3,), outside the box too, of the last target; None without one."""
+        return self._wanted
 
     def describe(self, cell: Description) -> None:
         """Take the cell's mapping and box; ConfigError when the mapping's rotation is none."""
@@ -50,6 +56,7 @@ class SentTarget:
         It is not known without the clocks' offset, with a state older than a second or a hand older than 250 ms, and
         while a sample since the state's is missing or stops the arm: after a stop the arm follows from new origins.
         """
+        self._wanted = None
         state, replay = self._state, self._replay
         if state is None or replay is None or remote is None or remote.age_ns(state.t_ns, now_ns) > OLDEST_STATE_NS:
             return None
@@ -60,7 +67,9 @@ class SentTarget:
             return None
         if state.settings.revision != state.reference.revision:  # a change came with a sample that was refused
             return None
-        return replay.target(samples, state.reference, state.settings, state.target.transform())
+        target = replay.target(samples, state.reference, state.settings, state.target.transform())
+        self._wanted = replay.wanted
+        return target
 
     def _since(self, reference: MappingReference) -> list[HandArm]:
         """The reference's sample and all after it; empty where one of them is missing."""
@@ -70,12 +79,13 @@ class SentTarget:
 
 
 class _Replay:
-    """The remote site's mapping and box, led through samples again."""
+    """The remote site's mapping and box, led through samples again; `wanted` (3,) is the last target before the box."""
 
     def __init__(self, cell: Description) -> None:
         self._mapping = RelativeMapping(cell.mapping)
         self._point, self._held = cell.mapping.point, cell.held
         self._box = np.array(cell.workspace_min), np.array(cell.workspace_max)
+        self.wanted: Array | None = None
 
     def is_followed(self, sample: HandArm) -> bool:
         """Whether the arm can follow this sample: it shows the hand, and the key is down where one is needed."""
@@ -103,6 +113,7 @@ class _Replay:
 
     def _aimed(self, sample: HandArm, operator_R_hand: Array | None) -> Array:
         target = self._mapping.target(self._position(sample), operator_R_hand)
+        self.wanted = target[:3, 3].copy()
         return transform(target[:3, :3], np.clip(target[:3, 3], *self._box))
 
     def _position(self, sample: HandArm) -> Array:

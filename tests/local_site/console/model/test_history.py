@@ -44,3 +44,21 @@ def test_a_reference_that_moved_is_noted_once_with_how_far() -> None:
     assert [event.text for event in history.events if event.kind == "link"] == [
         "the reference has moved by 34 mm and 0 deg: the hand's way during the hold is lost"
     ]
+
+
+def test_a_stop_that_a_page_repeats_until_it_is_acknowledged_is_one_event_and_a_later_one_another() -> None:
+    history = History()
+    for second in (0, 1, 2, 3, 4, 9):
+        history.note_once("stop", "stop asked by page 1", second * NS_PER_S)
+    assert [event.t_ns for event in history.events] == [9 * NS_PER_S, 0]
+
+
+def test_silence_is_noted_when_it_begins_and_when_it_ends() -> None:
+    history = History()
+    for tenth in range(100):
+        heard_tenth = tenth if tenth < 20 or tenth >= 60 else 20
+        history.watch_silence(heard_tenth * NS_PER_S // 10, tenth * NS_PER_S // 10)
+    assert [(event.kind, event.text) for event in history.events] == [
+        ("link", "the remote site answers again after 4.0 s"),
+        ("fault", "the remote site has fallen silent"),
+    ]

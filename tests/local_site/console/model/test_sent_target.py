@@ -106,6 +106,10 @@ def test_it_stays_inside_the_box_however_far_the_hand_goes() -> None:
     found = sent.base_T_tool(far.capture_ns, ONE_CLOCK)
     assert found is not None
     assert found[0, 3] == pytest.approx(CONFIG.safety.workspace_max_m[0], abs=EXACT)
+    assert sent.wanted is not None
+    assert sent.wanted[0] > CONFIG.safety.workspace_max_m[0] + 1.0
+    assert sent.base_T_tool(far.capture_ns + 10**9, ONE_CLOCK) is None
+    assert sent.wanted is None
 
 
 Spoil = Callable[[SentTarget, Remote, list[HandArm]], None]
