@@ -7,27 +7,27 @@ import json
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
-from msgspec import convert
 
 from bench.tracking.scenes import RECORDINGS
 from common.cameras.sources import open_camera
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from farhand.tracking.recorded_pairs import RecordedPairs
-from local_site.calibration.rig import CameraCalibration, Projection, Rig
-from local_site.calibration.triangulation import project
+from local_site.calibration.control_points import ControlPoints
+from local_site.calibration.rig import Rig
+from local_site.calibration.solve import solve_rig
 from local_site.tracking.choice import TrackingConfig, make_tracker
-from local_site.tracking.tracker import ArmEstimate, View, Views
+from local_site.tracking.tracker import ArmEstimate, Views
 
 REAL = RECORDINGS.parent / "real"
-NAMES = ("cam0", "cam1")
+NAMES = ("cam0", "cam1")  # left and right
+SIZE_PX, FIELD = (720, 720), 0.32
+REACH_M, POINTS_A_SIDE = 0.45, 7  # of the points for the calibration, around where both cameras look
 SQUARE_M = 0.043  # of the chessboard, in whose squares the calibration is
-ANYWHERE = (-5.0, -5.0, -5.0), (5.0, 5.0, 5.0)  # m; the calibrated volume is not known
 BEFORE_HAND = 13  # pairs in which a picture does not show the whole hand yet
 LABELLED = {"index": "index_tip", "thumb": "thumb_tip", "wrist": "wrist"}
 WITH_POINTS = (TrackingStatus.TRACKED, TrackingStatus.DEGRADED)
@@ -36,31 +36,35 @@ Labels = dict[str, dict[str, dict[str, list[float] | None]]]
 
 
 class RealCamera:
-    """One camera of the film: its projection (3, 4), and its pictures and pixels without distortion."""
+    """One camera of the film, as its makers have calibrated it: with five coefficients of distortion."""
 
-    def __init__(self, folder: Path, number: int) -> None:
+    def __init__(self, folder: Path, name: str) -> None:
+        number = name.removeprefix("cam")
         intrinsic, pose = _numbers(folder / f"c{number}.dat"), _numbers(folder / f"rot_trans_c{number}.dat")
         self._matrix, self._distortion = np.array(intrinsic[:3]), np.array(intrinsic[3])
-        translation_m = SQUARE_M * np.array([row[0] for row in pose[3:6]])
-        self.projection: Array = self._matrix @ np.column_stack([np.array(pose[:3]), translation_m])
+        self._rotation = np.array(pose[:3])
+        self._translation_m = SQUARE_M * np.array([row[0] for row in pose[3:6]])
 
-    def undistorted(self, view: View) -> View:
-        """The view with the picture that a pinhole camera would have taken."""
-        picture = cv2.undistort(view.current.image, self._matrix, self._distortion)
-        return replace(view, current=replace(view.current, image=np.asarray(picture, dtype=np.uint8)))
+    @property
+    def ray(self) -> tuple[Array, Array]:
+        """The camera's centre (3,) in m and the direction (3,) in which it looks."""
+        return -self._rotation.T @ self._translation_m, self._rotation[2]
 
-    def undistorted_pixel(self, pixel: Sequence[float]) -> Array:
-        """The pixel (2,) for which the projection holds, of one in the film."""
-        moved = cv2.undistortPoints(np.array([[pixel]], np.float64), self._matrix, self._distortion, P=self._matrix)
-        return np.asarray(moved[0, 0], dtype=np.float64)
+    def pixels(self, points: Array) -> Array:
+        """Where it sees points (N, 3) in m, NaN outside its picture (N, 2)."""
+        turn, _ = cv2.Rodrigues(self._rotation)
+        seen, _ = cv2.projectPoints(points, turn, self._translation_m, self._matrix, self._distortion)
+        x, y, z = (points @ self._rotation.T + self._translation_m).T
+        inside = (z > 0) & (np.maximum(np.abs(x), np.abs(y)) < FIELD * z)  # beyond it, the distortion folds back
+        return np.where(inside[:, None], np.asarray(seen[:, 0], dtype=np.float64), np.nan)
 
 
 def measure_real(folder: Path = REAL) -> dict[str, float]:
     """The learned tracker's figures on the film by name; NotInstalledError without its models."""
-    cameras = [RealCamera(folder, number) for number in range(len(NAMES))]
+    cameras = [RealCamera(folder, name) for name in NAMES]
     tracker = make_tracker(_rig(cameras), TrackingConfig(method="learned"))
     estimates, processor_ms = [], []
-    for views in _pairs(folder, cameras):
+    for views in _pairs(folder):
         start = time.process_time()
         estimates.append(tracker.track(views))
         processor_ms.append(1e3 * (time.process_time() - start))
@@ -81,21 +85,24 @@ def _numbers(path: Path) -> list[list[float]]:
 
 
 def _rig(cameras: Sequence[RealCamera]) -> Rig:
-    calibrations = tuple(
-        CameraCalibration(name, convert(camera.projection.tolist(), Projection), reprojection_rms_px=0.5)
-        for name, camera in zip(NAMES, cameras, strict=True)
-    )
-    return Rig(calibrations, *ANYWHERE, error_rms=(0.001, 0.001, 0.001), created="for measuring")
+    """The rig as Farhand calibrates it, from points in the space that both cameras see."""
+    (first, along), (second, across) = (camera.ray for camera in cameras)
+    nearest = np.linalg.lstsq(np.column_stack([along, -across]), second - first, rcond=None)[0]
+    middle = 0.5 * (first + nearest[0] * along + second + nearest[1] * across)
+    offsets = np.linspace(-REACH_M, REACH_M, POINTS_A_SIDE)
+    points = middle + np.stack(np.meshgrid(offsets, offsets, offsets), axis=-1).reshape(-1, 3)
+    labels = tuple(f"point {k}" for k in range(len(points)))
+    pixels = tuple(camera.pixels(points) for camera in cameras)
+    control = ControlPoints(points, pixels, labels, "the real film", (SIZE_PX, SIZE_PX))
+    return solve_rig(control, created="for measuring")
 
 
-def _pairs(folder: Path, cameras: Sequence[RealCamera]) -> Iterator[Views]:
+def _pairs(folder: Path) -> Iterator[Views]:
     with (
         closing(open_camera(str(folder / f"{NAMES[0]}.mp4"), NAMES[0])) as left,
         closing(open_camera(str(folder / f"{NAMES[1]}.mp4"), NAMES[1])) as right,
     ):
-        for views in RecordedPairs(left, right):
-            seen = zip(cameras, views.views, strict=True)
-            yield Views(views.t_ns, tuple(camera.undistorted(view) for camera, view in seen))
+        yield from RecordedPairs(left, right)
 
 
 def _statuses(estimates: Sequence[ArmEstimate]) -> dict[str, float]:
@@ -109,14 +116,14 @@ def _statuses(estimates: Sequence[ArmEstimate]) -> dict[str, float]:
 
 
 def _off_px(point: str, estimates: Sequence[ArmEstimate], labels: Labels, cameras: Sequence[RealCamera]) -> float:
-    """The median distance in px from the labels of a point."""
+    """The median distance in px from the labels of a point, in the pictures as they were taken."""
     off = []
     for number, views in labels.items():
         found = getattr(estimates[int(number)], point)
         for name, camera in zip(NAMES, cameras, strict=True):
             label = views[name][LABELLED[point]]
             if label is not None and found is not None:
-                off.append(project(camera.projection, found) - camera.undistorted_pixel(label[:2]))
+                off.append(camera.pixels(found[None])[0] - label[:2])
     return float(np.median(np.linalg.norm(off, axis=1)))
 
 

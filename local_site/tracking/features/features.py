@@ -32,6 +32,7 @@ MAX_CREASE_COSINE = 0.87
 REFITS = 1
 MAX_TURN = math.radians(40.0)
 MIN_VALID = 0.7
+SAME_LIMB_COSINE = 0.87
 MIN_HAND_PIXELS = 24
 HAND_PROBE = 6
 HAND_OVERLAP = 0.08
@@ -88,6 +89,8 @@ def _measure_near(silhouette: Silhouette, guess: Posture) -> Features | None:
     guess = replace(guess, wrist=wrist)
     hand = _hand(silhouette, edges, (palm if seen else length) - HAND_OVERLAP * length)
     upper_arm, shoulder_end = _upper_arm(silhouette, guess)
+    if upper_arm is not None and float(upper_arm.direction @ line.direction) > SAME_LIMB_COSINE:
+        upper_arm, shoulder_end = None, line.at(-guess.half_width)  # beyond an elbow at the border: the forearm again
     guess = replace(guess, shoulder_end=shoulder_end)
     return Features(
         forearm=line,

@@ -51,7 +51,8 @@ def descend(views: Limbs, links: Array, shifts: Array, state: Array) -> tuple[Ar
 def _add_view(view: SilhouetteLimb, shifts: Array, state: Array, information: Array, pull: Array) -> float:
     """Add the lines of a view; the sigmas are fractions of the limb's half width, so that they scale with the distance.
 
-    The elbow's expected position along the forearm has little weight, for when nothing else determines it. If the arm
+    The elbow's expected position along the forearm has little weight, for when nothing else determines it, and hardly
+    any where the view does not show the upper arm: there the border may have cut the arm before the elbow. If the arm
     looks nearly straight, a small offset of the upper arm's line would move the intersection far along the arm.
     """
     elbow, wrist = image_of(view.projection, state[:3]), image_of(view.projection, state[3:])
@@ -60,7 +61,8 @@ def _add_view(view: SilhouetteLimb, shifts: Array, state: Array, information: Ar
     squares = _add_line(elbow, root, ROOT_SIGMA * width, OF_ELBOW, information, pull)
     axis = _across(view.forearm[0], ahead, 0.0)
     squares += _add_line(wrist, axis, FOREARM_SIGMA * width, OF_WRIST, information, pull)
-    squares += _add_line(elbow, _at(view.guess[ELBOW], ahead), EXPECTED_SIGMA * width, OF_ELBOW, information, pull)
+    expected = EXPECTED_SIGMA if view.has_upper_arm else ROUGH_SIGMA
+    squares += _add_line(elbow, _at(view.guess[ELBOW], ahead), expected * width, OF_ELBOW, information, pull)
     neck = NECK_SIGMA if view.has_wrist else ROUGH_SIGMA
     squares += _add_line(wrist, _at(view.guess[WRIST], ahead), neck * width, OF_WRIST, information, pull)
     if view.has_upper_arm:

@@ -34,3 +34,18 @@ def test_a_long_bare_upper_arm_has_its_line():
 
 def test_a_short_end_of_it_has_none():
     assert bare_to(np.array([244.0, 169.0])).upper_arm is None
+
+
+def test_the_forearm_of_an_arm_that_the_border_cuts_at_the_elbow_is_not_taken_for_its_upper_arm():
+    """What was taken for the shoulder's end lies on the forearm: the last instants' elbow was wrong."""
+    elbow, wrist, tips = np.array([200.0, 0.0]), np.array([210.0, 150.0]), np.array([215.0, 210.0])
+    image = np.full((240, 400), 10, np.uint8)
+    for ends, width in (((elbow, wrist), WIDTH - 8), ((wrist, tips), WIDTH - 12)):
+        start, end = (tuple(int(v) for v in point) for point in ends)
+        cv2.line(image, start, end, 150, width)
+    silhouette = find_silhouette(to_grey(image), 60.0)
+    assert silhouette is not None
+    features = measure(silhouette, Posture(wrist, elbow, wrist, tips, WIDTH / 2))
+    assert features is not None
+    assert features.upper_arm is None
+    assert features.guess.shoulder_end[1] < 20.0
