@@ -6,12 +6,12 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
+from bench.page import scene
 from common.clock import NS_PER_MS
 from common.messages.video import Codec, KeyFrameRequest, VideoFrame
 from remote_site.video.streaming.clock_strip import draw_clock
 from remote_site.video.streaming.encoding import PictureEncoder
 from remote_site.video.streaming.setting import StreamSetting
-from tests.browser import scene
 
 AGE_NS = 20 * NS_PER_MS
 FULL = StreamSetting(80, 1.0, 30.0, Codec.H264)

@@ -7,12 +7,12 @@ from itertools import count
 
 from msgspec.structs import replace
 
+from bench.page import scene
 from common.clock import NS_PER_MS
 from common.geometry import Array
 from common.messages.hand import HandArm
 from common.messages.robot import Pose, RobotState
 from remote_site.teleop.config import MappingConfig
-from tests.browser import scene
 from tests.local_site.console.followed_remote import Remote, sample
 
 RADIUS_M = 0.12

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
+from bench.page import scene
 from common.messages.robot import HandLink, SessionState, VideoLink
-from tests.browser import scene
 from tests.browser.told import Told
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]

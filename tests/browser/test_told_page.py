@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from bench.page import scene
 from bench.page.bare_console import OPERATOR
 from bench.page.painted_clock import ages_ms, compare, watch
 from common.clock import NS_PER_MS
@@ -23,7 +24,6 @@ from common.messages.robot import (
 from common.messages.video import CameraStatus, VideoFrame
 from remote_site.video.streaming.clock_strip import draw_clock
 from remote_site.video.streaming.pictures import encode_jpeg
-from tests.browser import scene
 from tests.browser.told import Told
 
 OPEN, CLOSED, KEEP = GripperCommand.OPEN, GripperCommand.CLOSED, GripperCommand.KEEP

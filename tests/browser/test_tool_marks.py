@@ -5,10 +5,10 @@ from functools import partial
 import numpy as np
 import pytest
 
+from bench.page import scene
 from bench.page.bare_console import BareConsole
 from common.geometry import Array
 from common.messages.robot import SessionState
-from tests.browser import scene
 from tests.browser.late_remote import LateRemote
 from tests.browser.opened_page import OpenedPage
 from tests.browser.test_accessibility import CHECK

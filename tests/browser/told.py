@@ -7,13 +7,13 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
+from bench.page import scene
 from bench.page.bare_console import BareConsole
 from common.clock import NS_PER_MS
 from common.messages.hand import HandArm
 from common.messages.robot import RobotState, SessionState, Traced
 from common.messages.video import CameraStatus, VideoFrame
 from local_site.console.hub import Hub
-from tests.browser import scene
 from tests.browser.opened_page import PATIENCE_S, OpenedPage
 
 SHOTS = Path(__file__).parents[2] / "build" / "screenshots"

@@ -90,6 +90,7 @@ def _lease_fields(lease: LeaseState, hand: HandArm | None) -> dict[str, Any]:
     return {
         "words": str(lease),
         "ours": hand is not None and hand.session == lease.session,
+        "local_known": hand is not None,
         "asked_by": None  # its session in decimal, since JavaScript would round it
         if asker is None
         else {"name": asker.name, "session": str(asker.session), "words": str(asker)},

@@ -19,7 +19,11 @@ export class ArmRoom {
 
   constructor() {
     new ResizeObserver(() => this.#ask()).observe(this.#canvas);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#ask());
+  }
+
+  /** Draw again in the page's colours, which have changed. */
+  repaint() {
+    this.#ask();
   }
 
   describe(cell) {

@@ -35,9 +35,7 @@ export class Controls {
     this.#enable();
   }
 
-  /** A cell without hold-to-run shows no hold button. */
   describe(cell) {
-    element("hold").hidden = !cell.held;
     element("unheld").hidden = cell.held;
   }
 
@@ -60,6 +58,11 @@ export class Controls {
     return this.#operates;
   }
 
+  /** Who operates, and what can be done about the lease. */
+  get facts() {
+    return { operates: this.#operates, mayOperate: this.#mayOperate, act: this.#leaseAct };
+  }
+
   /** Without a connection all controls are disabled. */
   disconnected() {
     this.#alert.clear("controls");
@@ -75,11 +78,10 @@ export class Controls {
     this.#enable();
     this.#refusedIn ??= robot?.state ?? null;
     if (robot !== null && robot.state !== this.#refusedIn) this.#alert.clear("controls");
-    this.#buttons.reset.classList.toggle("wanted", robot?.readiness.code === "stopped" || robot?.state === "fault");
   }
 
   #enable() {
-    for (const button of [...Object.values(this.#buttons), element("hold"), element("joints")]) button.disabled = !this.#operates;
+    for (const button of [...Object.values(this.#buttons), element("hold"), element("joints"), element("lease-button")]) button.disabled = !this.#operates;
     const sets = this.#operates && this.#known;
     for (const control of [...this.#locks, element("scale"), element("rotation"), element("suggestion"), this.#buttons.clutch]) control.disabled = !sets;
   }
@@ -126,12 +128,8 @@ export class Controls {
     put(element("hand"), hand === null || hand.silent ? "the local site is silent" : handWords(hand));
     put(element("gripper"), gripperWords(robot));
     put(element("lease"), leaseWords(robot));
-    const act = leaseAct(robot?.lease ?? null, this.#operator);
-    const button = element("lease-button");
-    button.hidden = !this.#operates || act === null;
-    if (act === null) return;
-    this.#leaseAct = act;
-    put(button, act.words);
+    this.#leaseAct = leaseAct(robot?.lease ?? null, this.#operator);
+    if (this.#leaseAct !== null) put(element("lease-button"), this.#leaseAct.words);
   }
 
   #key(event) {

@@ -1,7 +1,7 @@
 // The ghost: the commanded arm, drawn over the picture of a calibrated camera; pure but for the drawing.
 import { frames, fromPose, inverse, origin } from "./kinematics.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
-import { sized } from "./surface.js";
+import { sized, within } from "./surface.js";
 
 const AXIS_M = 0.05;
 const STROKES = [["#000000a0", 5], ["#c9a5ff", 2.5]]; // seen on light and dark pictures alike
@@ -22,12 +22,14 @@ export class Ghost {
     const { width, height } = sized(this.#canvas, this.#context);
     this.clear();
     const lines = ghostLines(cell, robot, this.#camera).map((line) => line.map((pixel) => fitted(pixel, this.#camera, width, height)));
-    for (const [tone, thick] of STROKES) {
-      this.#context.strokeStyle = tone;
-      this.#context.lineWidth = thick;
-      this.#context.lineCap = this.#context.lineJoin = "round";
-      for (const line of lines) this.#line(line);
-    }
+    within(this.#context, this.#camera, { width, height }, () => {
+      for (const [tone, thick] of STROKES) {
+        this.#context.strokeStyle = tone;
+        this.#context.lineWidth = thick;
+        this.#context.lineCap = this.#context.lineJoin = "round";
+        for (const line of lines) this.#line(line);
+      }
+    });
   }
 
   clear() {

@@ -5,6 +5,7 @@ import { AssistKey } from "./assist_key.js";
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { DelayPanel } from "./delay_panel.js";
+import { EventList } from "./event_list.js";
 import { HoldKey } from "./hold_key.js";
 import { JointMarks } from "./joint_marks.js";
 import { LatencyRoom } from "./latency_room.js";
@@ -12,20 +13,26 @@ import { LinkLine } from "./link_line.js";
 import { RecordingRow } from "./recording_row.js";
 import { ReplayBar } from "./replay_bar.js";
 import { ServerClock } from "./server_clock.js";
-import { StatePanel } from "./state_panel.js";
+import { StateBar } from "./state_bar.js";
+import { Steps } from "./steps.js";
 import { StopButton } from "./stop_button.js";
+import { Theme } from "./theme.js";
+import { Tones } from "./tones.js";
 import { Views } from "./views.js";
 import { mark } from "./words.js";
 
 const BEAT_MS = 50;
 const LOOK_MS = 100;
 const OLD_TOOLS_MS = 300;
-const NO_TOOLS = { measured: null, sent: null };
+const NO_TOOLS = { measured: null, sent: null, wanted: null };
 
 const clock = new ServerClock();
 const connection = new Connection();
 const views = new Views(clock, (message) => connection.send(message));
-const panel = new StatePanel();
+const tones = new Tones();
+const bar = new StateBar((name) => tones.play(name));
+const steps = new Steps();
+const events = new EventList();
 const arm = new ArmRoom();
 const latency = new LatencyRoom();
 const link = new LinkLine();
@@ -41,6 +48,7 @@ const recording = new RecordingRow(connection, alert);
 const delay = new DelayPanel(clock, (scale) => controls.steer({ scale }));
 const replay = new ReplayBar(connection, alert, () => views.forget());
 const joints = new JointMarks(connection, views.ofOperator);
+new Theme(() => arm.repaint());
 
 let toolsMs = -Infinity;
 let heardMs = null; // the console's time in its newest echo: how old what the page sends is at most
@@ -51,7 +59,7 @@ function beat() {
 
 const handlers = {
   hello: (message) => {
-    panel.hello(message);
+    bar.hello(message);
     controls.hello(message);
     replay.hello(message);
   },
@@ -66,17 +74,20 @@ const handlers = {
   cell: (message) => {
     views.describe(message.cell);
     arm.describe(message.cell);
-    panel.describe(message.cell);
+    bar.describe(message.cell);
+    steps.describe(message.cell);
     controls.describe(message.cell);
   },
   situation: (message) => {
     mark(document.body, "data-connected", true);
-    panel.show(message);
+    const condition = bar.show(message);
+    events.show(message);
     arm.show(message.robot);
+    views.hinder(condition.name === "limited" ? condition.word : null);
     views.haunt(message.robot);
     views.offer(message.robot);
     latency.show(message);
-    if (!replay.isShown) operate(message);
+    if (!replay.isShown) operate(message, condition);
   },
   tools: (message) => {
     toolsMs = performance.now();
@@ -97,9 +108,10 @@ connection.onChange = (open) => {
 };
 
 /** What belongs to a live cell alone: its controls, and what its operator is told to do. */
-function operate(situation) {
+function operate(situation, condition) {
   stop.show(situation);
   controls.show(situation);
+  steps.show(condition, situation, controls.facts);
   assist.show(situation.robot, controls.operates);
   recording.show(situation.robot, situation.own_recording, controls.operates);
   delay.show(situation);
@@ -115,7 +127,8 @@ function showTools(tools) {
 /** Mark everything besides the pictures, which show their own age, as outdated. */
 function disconnected() {
   mark(document.body, "data-connected", false);
-  panel.disconnected();
+  bar.disconnected();
+  steps.disconnected();
   controls.disconnected();
   stop.disconnected();
   assist.disconnected();
@@ -128,7 +141,7 @@ setInterval(beat, BEAT_MS);
 setInterval(() => {
   views.refresh();
   joints.offer(views.isOneCamera);
-  if (panel.isSilent) disconnected();
+  if (bar.isSilent) disconnected();
   if (performance.now() - toolsMs > OLD_TOOLS_MS) showTools(NO_TOOLS);
   stop.refresh();
   connection.send({ type: "shown", h264: views.decodesH264, views: views.painted() });

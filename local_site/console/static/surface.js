@@ -1,4 +1,5 @@
-// What every drawing needs: a canvas as sharp as the screen, and the page's colours.
+// What every drawing needs: a canvas as sharp as the screen, the picture's part of it, and the page's colours.
+import { fitted } from "./projection.js";
 
 // Reading the size from the canvas itself would make the browser lay out the page before every drawing.
 const sizes = new WeakMap();
@@ -20,6 +21,17 @@ export function sized(canvas, context) {
   }
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   return { width, height };
+}
+
+/** Draw only where a camera's picture is on its canvas, not on the bars beside it. */
+export function within(context, camera, { width, height }, draw) {
+  const [[left, top], [right, bottom]] = [[0, 0], [camera.width, camera.height]].map((pixel) => fitted(pixel, camera, width, height));
+  context.save();
+  context.beginPath();
+  context.rect(left, top, right - left, bottom - top);
+  context.clip();
+  draw();
+  context.restore();
 }
 
 /** The page's colours by name, as they are now. */

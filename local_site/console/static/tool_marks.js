@@ -1,7 +1,8 @@
 // The tool over a calibrated camera's picture: a ring where it was measured, a cross where it has been sent.
 import { fromPose, inverse, origin } from "./kinematics.js";
+import { drawLimit, pushOf } from "./limit_arrow.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
-import { sized } from "./surface.js";
+import { sized, within } from "./surface.js";
 
 const AHEAD_M = 0.06; // how much of the tool's axis is drawn
 const RING_PX = 9;
@@ -22,16 +23,28 @@ export class ToolMarks {
     this.#camera = camera;
   }
 
-  /** `toolThen` is the measured tool when the picture was taken: a camera on the tool saw the cell from there. */
-  draw({ measured, sent }, toolThen) {
+  /**
+   * `toolThen` is the measured tool when the picture was taken: a camera on the tool saw the cell from there. At a
+   * `limit`, by its name, an arrow shows where the hand pushes against it.
+   */
+  draw({ measured, sent, wanted, limit }, toolThen) {
     const { width, height } = sized(this.#canvas, this.#context);
     this.clear();
     const ring = markOf(measured, this.#camera, toolThen, width, height);
     const cross = markOf(sent, this.#camera, toolThen, width, height);
-    if (ring && cross) this.#stroke([[ring.at, cross.at]], TONES.between, 1);
-    if (ring) this.#measured(ring);
-    if (cross) this.#sent(cross);
+    within(this.#context, this.#camera, { width, height }, () => {
+      if (ring && cross) this.#stroke([[ring.at, cross.at]], TONES.between, 1);
+      if (ring) this.#measured(ring);
+      if (cross) this.#sent(cross);
+      if (ring && limit) drawLimit(this.#context, ring.at, this.#pushed(measured, wanted, toolThen, width, height), limit);
+    });
     this.#isDrawn = true;
+  }
+
+  /** Where the arrow's tip is on the canvas; null where there is no direction, or it is not in front of the camera. */
+  #pushed(measured, wanted, toolThen, width, height) {
+    const tip = wanted === null ? null : pushOf(measured.position, wanted);
+    return tip === null ? null : (markOf({ ...measured, position: tip }, this.#camera, toolThen, width, height)?.at ?? null);
   }
 
   clear() {

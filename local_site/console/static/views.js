@@ -18,7 +18,8 @@ export class Views {
   #asked = null;
   #haunted = true;
   #offered = null;
-  #tools = { measured: null, sent: null };
+  #tools = { measured: null, sent: null, wanted: null };
+  #limit = null;
   #marked = true;
   #path = new ToolPath();
   #markAsked = null;
@@ -43,6 +44,8 @@ export class Views {
       if (!this.#views.has(view)) this.#add(this.#cameras, view, camera.name, this.#cameras.children.length + 1);
       this.#views.get(view).describe(camera);
     }
+    this.#cameras.dataset.count = cell.cameras.length;
+    document.documentElement.style.setProperty("--aspect", aspectOf(cell.cameras));
     this.#marksButton.hidden = this.#ghostButton.hidden = cell.cameras.every((camera) => camera.calibration === null);
   }
 
@@ -69,13 +72,18 @@ export class Views {
     });
   }
 
+  /** The name of the limit that keeps the arm from following, null while none does. */
+  hinder(limit) {
+    this.#limit = limit;
+  }
+
   /** Draw the tool as measured and where it has been sent, as soon as the browser paints, whenever pictures come. */
   markTools(tools) {
     this.#tools = tools;
     if (tools.measured !== null) this.#path.add(tools.measured);
     this.#markAsked ??= requestAnimationFrame(() => {
       this.#markAsked = null;
-      for (const view of this.#views.values()) view.markTools(this.#marked ? this.#tools : null, this.#path);
+      for (const view of this.#views.values()) view.markTools(this.#marked ? { ...this.#tools, limit: this.#limit } : null, this.#path);
     });
   }
 
@@ -158,4 +166,12 @@ export class Views {
     for (const view of this.#cameras.children) view.classList.toggle("enlarged", enlarging && view === chosen);
     this.#cameras.classList.toggle("enlarging", enlarging);
   }
+}
+
+/** The shape of all views together, two in a row: that of the pictures, which then leave no bars. */
+function aspectOf(cameras) {
+  const { width, height } = cameras[0] ?? { width: 4, height: 3 };
+  const rows = cameras.length === 1 ? 1 : Math.ceil(cameras.length / 2);
+  const columns = cameras.length === 1 ? 1 : 2;
+  return `${(columns * width) / (rows * height)}`;
 }

@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from bench.page import scene
 from common.geometry import Array, transform
 from common.link.channels import STATE
 from common.messages.codec import encode
@@ -15,7 +16,6 @@ from common.messages.requests import EngagementAction
 from common.messages.robot import Pose, SessionState
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
-from tests.browser import scene
 from tests.remote_site.driven_loop import CONFIG
 from tests.remote_site.recording.recorded_site import CELL, RecordedSite
 

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
+from bench.page import scene
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array, rotation_from_vector
 from common.mapping.shown_hand import shown_orientation
@@ -21,7 +22,6 @@ from remote_site.safety.clearance import Workspace
 from remote_site.session.samples import Accepted
 from remote_site.teleop.config import MappingConfig
 from remote_site.teleop.tool_target import ToolTarget
-from tests.browser import scene
 
 CONFIG = RemoteConfig()
 MODEL = ArmModel.from_urdf(CONFIG.robot.urdf, CONFIG.robot.tool_frame, CONFIG.robot.tool_T_tcp)

@@ -6,6 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
+from bench.page import scene
 from common.clock import ClockOffset
 from common.messages.hand import Locks, OperatorSettings
 from common.messages.robot import GripperStatus, HandLink, LeaseState, SessionState
@@ -17,7 +18,6 @@ from local_site.console.model.latency import Latencies
 from local_site.console.model.seat import Seat, Visitor
 from local_site.console.model.situation import NewestMessages, situation_json
 from remote_site.video.streaming.pictures import encode_jpeg
-from tests.browser import scene
 
 OFFSET = ClockOffset(0, 0)
 LINK = HandLink(age_ms=40.0, network_ms=7.0, clock_ms=1.0, tracking_ms=32.0, interval_ms=33.0, jitter_ms=0.0, loss=0.0)

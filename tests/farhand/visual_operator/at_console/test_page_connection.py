@@ -7,6 +7,7 @@ from contextlib import ExitStack
 import msgspec
 import pytest
 
+from bench.page import scene
 from bench.page.bare_console import BareConsole
 from common.errors import TransportError
 from common.messages.hand import Intent, Locks, OperatorSettings
@@ -16,7 +17,6 @@ from farhand.loopback.site_process import free_ports
 from farhand.visual_operator.at_console import page_connection
 from farhand.visual_operator.at_console.console_page import ConsolePage
 from farhand.visual_operator.at_console.page_connection import PageConnection
-from tests.browser import scene
 
 PATIENCE_S = 30.0
 

@@ -6,6 +6,7 @@ from collections import deque
 import numpy as np
 from msgspec.structs import replace
 
+from bench.page import scene
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.geometry import Array, rotation_from_vector
 from common.messages.hand import HandArm, Intent, OperatorSettings
@@ -13,7 +14,6 @@ from common.messages.requests import EngagementAction
 from common.messages.robot import Pose, RobotState, SessionState
 from local_site.console.model.sent_target import SentTarget
 from remote_site.teleop.cycle import Snapshot
-from tests.browser import scene
 from tests.local_site.console.followed_remote import cell
 from tests.remote_site.remote_loop import START_NS, RemoteLoop, hand
 

@@ -3,6 +3,7 @@
 import pytest
 from msgspec.structs import replace
 
+from bench.page import scene
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.hand import TrackingStatus
 from common.messages.robot import LoopTiming, Obeyed, SessionState
@@ -12,7 +13,6 @@ from farhand.experiments.placing.live.pace import LOST_TIME, live_result
 from farhand.loopback.recorder import Record
 from farhand.visual_operator.at_console.sitting import SittingNotes
 from farhand.visual_operator.operator import Notes
-from tests.browser import scene
 
 END = TrialJudgement(end=Placed(1.0, -2.0, 0.5, True), drops=1, collisions=2, grip_force_n=30.0)
 BEGIN_S, END_S = 10, 20

@@ -1,0 +1,148 @@
+"""Pictures of the operator's page in eight states at three sizes.
+
+    python -m bench.page.screenshots [FOLDER]
+
+writes them as PNG, dark ones, and one in light; without a folder to build/screenshots.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import cv2
+from msgspec.structs import replace
+
+from bench.page import scene
+from bench.page.bare_console import BareConsole
+from bench.page.glass_to_glass import rendered
+from bench.page.stand import browsing
+from common.messages.hand import HandArm
+from common.messages.robot import LeaseState, Readiness, RobotState, SessionState
+from common.messages.video import CameraStatus, VideoFrame
+from local_site.console.hub import Hub
+from local_site.simulation.config import SimulationConfig
+from local_site.simulation.operator import SimulatedOperator
+from remote_site.video.streaming.pictures import encode_jpeg
+
+SIZES = {"1920x1080": (1920, 1080), "1280x720": (1280, 720), "820x1180": (820, 1180)}
+LIGHT = "engaged"
+PERIOD_S, SHOWN_S = 0.04, 2.0
+ENGAGED, HOLDING, DISENGAGED, FAULT = (
+    SessionState.ENGAGED,
+    SessionState.HOLDING,
+    SessionState.DISENGAGED,
+    SessionState.FAULT,
+)
+
+State = Callable[[], RobotState | None]
+READY = Readiness(True, "ready", "ready: waiting to be engaged", False)
+STOPPED = "stopped by anna; reset it, then engage"
+DEAD = "the robot's driver has ended: exit code 1; reset it, then engage"
+
+
+def anothers() -> RobotState:
+    """Somebody else operates."""
+    now = scene.state(ENGAGED, "ok", "the arm follows the hand")
+    return replace(now, lease=LeaseState(6, "berta", 99, now.t_ns + 5 * 10**9, None))
+
+
+STATES: dict[str, State] = {
+    "engaged": partial(scene.state, ENGAGED, "ok", "the arm follows the hand"),
+    "limited": partial(
+        scene.state, ENGAGED, "outside_box", "the hand asks for 45 mm beyond the workspace: the tool stays at its edge"
+    ),
+    "holding": partial(
+        scene.state, HOLDING, "lost", "the hand is lost: no hand is seen: hold it up before all cameras"
+    ),
+    "ready": partial(scene.state, DISENGAGED, "ready", "ready: waiting to be engaged", readiness=READY),
+    "stopped": partial(
+        scene.state, DISENGAGED, "stopped", STOPPED, readiness=Readiness(False, "stopped", STOPPED, False)
+    ),
+    "fault": partial(scene.state, FAULT, "fault", DEAD, readiness=Readiness(False, "fault", DEAD, False)),
+    "another operates": anothers,
+    "no robot": lambda: None,
+}
+
+
+class Shown:
+    """The page of a console without sites, told a state over and over."""
+
+    def __init__(self, console: BareConsole) -> None:
+        self._console = console
+        self._cell = {name: encode_jpeg(image, 85) for name, image in rendered(scene.CONFIG).items()}
+        pictures = SimulatedOperator(SimulationConfig()).render(0.5)
+        colours = [cv2.cvtColor(p, cv2.COLOR_GRAY2BGR) if p.ndim == 2 else p for p in pictures]
+        self._own = dict(zip(("left", "right"), (encode_jpeg(p, 85) for p in colours), strict=True))
+        self._seq = 0
+
+    def describe(self) -> None:
+        """Say what the cell is."""
+        self._console.feed(lambda hub: hub.described(scene.cell(held=False)))
+
+    def tell(self, state: RobotState | None) -> None:
+        """A state with a hand and all pictures; without a state the remote site is not there."""
+        self._seq += 1
+        self._console.feed(partial(Hub.hand, hand=_hand()))
+        for name, jpeg in self._own.items():
+            self._give_picture(Hub.preview, name, jpeg)
+        if state is None:
+            return
+        self._console.feed(partial(Hub.state, state=state))
+        for name, jpeg in self._cell.items():
+            self._give_picture(Hub.camera, name, jpeg)
+
+    def _give_picture(self, take: Callable[..., None], name: str, jpeg: bytes) -> None:
+        frame: VideoFrame = scene.picture(name, self._seq, jpeg, CameraStatus.LIVE)
+        self._console.feed(lambda hub: take(hub, frame))
+
+
+def _hand() -> HandArm:
+    return scene.hand()
+
+
+def take(folder: Path) -> list[Path]:
+    """Take all pictures; the files written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with browsing() as browser:
+        return [path for name, state in STATES.items() for path in _of_state(browser, folder, name, state)]
+
+
+def _of_state(browser: Any, folder: Path, name: str, state: State) -> list[Path]:
+    """One state at all sizes, on a page of its own: what came before is not in its events."""
+    files = []
+    with BareConsole() as console:
+        shown = Shown(console)
+        page = browser.new_context().new_page()
+        page.goto(console.address)
+        shown.describe()
+        for size, (width, height) in SIZES.items():
+            page.set_viewport_size({"width": width, "height": height})
+            _let_settle(page, shown, state)
+            files.append(_shoot(page, folder / f"{name} {size}.png"))
+        if name == LIGHT:
+            page.click("#theme")
+            _let_settle(page, shown, state)
+            files.append(_shoot(page, folder / f"{name} light.png"))
+        page.context.close()
+    return files
+
+
+def _let_settle(page: Any, shown: Shown, state: State) -> None:
+    until = time.monotonic() + SHOWN_S
+    while time.monotonic() < until:
+        shown.tell(state())
+        page.wait_for_timeout(1000 * PERIOD_S)
+
+
+def _shoot(page: Any, path: Path) -> Path:
+    page.screenshot(path=str(path))
+    return path
+
+
+if __name__ == "__main__":
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else Path("build") / "screenshots"
+    for file in take(target):
+        sys.stdout.write(f"{file}\n")

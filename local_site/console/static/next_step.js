@@ -1,0 +1,42 @@
+// The one thing to do next, and what else is possible: for each button next, minor or absent; pure.
+const nothing = (words) => ({ next: null, minor: [], words });
+
+/** Which button is next, which are minor, and what to do in words; `act` is what can be done about the lease. */
+export function stepOf(condition, situation, { operates, mayOperate, held, act }) {
+  const { robot, seat } = situation;
+  if (robot === null || robot.silent) return nothing("Nothing can be done here until the remote site answers. If the arm moves, use the emergency stop.");
+  if (!operates) return watching(seat, mayOperate);
+  const step = { ...operating(condition, robot, { held, act }) };
+  step.minor = [...step.minor, "seat-button"].filter((name) => name !== step.next);
+  return step;
+}
+
+function watching(seat, mayOperate) {
+  if (!mayOperate) return nothing("This console only watches.");
+  if (seat.page !== null) return { next: null, minor: ["seat-button"], words: `You watch. ${seat.who} operates.` };
+  return { next: "seat-button", minor: [], words: "Nobody operates: take the controls." };
+}
+
+function operating(condition, robot, { held, act }) {
+  if (condition.name === "fault" || condition.name === "stopped") return { next: "reset", minor: [], words: "When the cause is gone, reset." };
+  if (condition.name === "other") return { next: "lease-button", minor: [], words: "Ask whoever operates to hand over." };
+  if (act?.action === "take") return { next: "lease-button", minor: [], words: "Nobody may operate yet: take the lease." };
+  const handOver = act === null ? [] : ["lease-button"];
+  if (robot.state === "disengaged") return disengaged(robot, held, handOver);
+  const running = { minor: ["disengage", "clutch", ...handOver] };
+  if (robot.state === "holding") return { ...running, next: held ? "hold" : null, words: "The arm waits. Show your hand calmly; it goes on by itself." };
+  return { ...running, next: held ? "hold" : null, words: followingWords(condition, held) };
+}
+
+function followingWords({ name, word }, held) {
+  if (name === "limited") return `At a limit (${word}): move your hand back, against the arrow.`;
+  if (name === "led") return "The tool moves by itself while you hold A.";
+  return held ? "Keep it held: the arm follows your hand." : "Move your hand: the arm follows.";
+}
+
+function disengaged({ readiness, code }, held, minor) {
+  if (!readiness.ready) return { next: null, minor, words: `Not ready: ${readiness.reason}` };
+  if (!held) return { next: "engage", minor, words: "Engage to let the arm follow your hand." };
+  const first = code === "let_go_first" ? "Let go first. " : "";
+  return { next: "hold", minor, words: `${first}Hold to let the arm follow your hand.` };
+}

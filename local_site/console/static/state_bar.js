@@ -1,0 +1,60 @@
+// The bar over everything: what the arm does, in one colour that is read from two metres, and why.
+import { conditionOf, lostCondition, saidOf } from "./condition.js";
+import { Steady } from "./steady.js";
+import { mark, put } from "./words.js";
+
+const SILENT_MS = 500;
+
+export class StateBar {
+  #state = document.getElementById("state");
+  #word = document.getElementById("state-word");
+  #reason = document.getElementById("reason");
+  #cell = document.getElementById("cell");
+  #steady = new Steady();
+  #receivedMs = null;
+  #connected = false;
+  #said = saidOf(false);
+  #operator = "";
+  #changed;
+
+  /** `changed` is called with each other condition that is shown. */
+  constructor(changed) {
+    this.#changed = changed;
+  }
+
+  hello({ replay, operator }) {
+    this.#said = saidOf(replay !== null);
+    this.#operator = operator;
+  }
+
+  describe({ cell, robot, driver }) {
+    this.#cell.textContent = `${cell} · ${robot.split("/").at(-1).replace(/\.urdf$/, "")} · ${driver}`;
+  }
+
+  disconnected() {
+    this.#connected = false;
+    return this.#show(lostCondition(this.#said));
+  }
+
+  /** Whether the console has fallen silent with its connection open. */
+  get isSilent() {
+    return this.#connected && performance.now() - this.#receivedMs > SILENT_MS;
+  }
+
+  /** Show the newest state; the condition that is shown for it. */
+  show({ robot }) {
+    this.#connected = true;
+    this.#receivedMs = performance.now();
+    return this.#show(conditionOf(robot, this.#operator, this.#said));
+  }
+
+  #show(newest) {
+    const condition = this.#steady.show(newest, performance.now());
+    if (this.#state.dataset.state !== condition.name) this.#changed(condition.name);
+    mark(this.#state, "data-state", condition.name);
+    mark(document.body, "data-tone", condition.tone);
+    put(this.#word, condition.word);
+    put(this.#reason, condition.sentence);
+    return condition;
+  }
+}
