@@ -101,6 +101,12 @@ def test_what_was_found_lies_on_the_same_spot_of_the_picture_as_before(part):
     assert moved.overlays[1].contour.dtype == np.int32
 
 
+def test_a_point_between_two_pixels_that_become_one_lies_in_its_middle():
+    part = ViewPart(100, 60, 400, 300, 200)
+    moved = part.estimate(estimate(Overlay(wrist=np.array([100.5, 60.5]))), 0)
+    assert moved.overlays[0].wrist == pytest.approx([0.0, 0.0])
+
+
 def test_an_ellipse_of_the_same_uncertainty_is_drawn_in_the_scale_of_the_part():
     camera = np.array([[500.0, 0.0, 320.0, 320.0], [0.0, 500.0, 240.0, 240.0], [0.0, 0.0, 1.0, 1.0]])
     part, point = ViewPart(160, 120, 320, 240, 160), np.array([0.1, 0.05, 0.2])
