@@ -20,6 +20,7 @@ from common.geometry import Array
 from common.messages.video import CameraStatus, Codec, VideoFrame
 from common.process.children import Children, Heartbeat
 from common.process.service import StopFlag, be_idle
+from local_site.preview.cropping import Cropping
 from local_site.preview.mailbox import Mailbox
 from local_site.tracking.annotate import annotate
 from local_site.tracking.tracker import ArmEstimate, Views
@@ -30,10 +31,12 @@ MAX_REASON = 400
 
 
 class PreviewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Pictures of the operator with what was found in them; made only while a console shows them."""
+    """Pictures of the operator, cropped to the arm, with what was found; made only while a console shows them."""
 
     fps: Annotated[float, Meta(gt=0, le=60, description="pictures per second of each view, at most")] = 12.0
-    width: Annotated[int, Meta(ge=160, le=3840, description="pixels; a narrower view stays as it is")] = 640
+    width: Annotated[
+        int, Meta(ge=160, le=3840, description="pixels of a whole view; a narrower one stays as it is")
+    ] = 640
     quality: Annotated[int, Meta(ge=10, le=100, description="JPEG quality")] = 70
 
 
@@ -77,22 +80,22 @@ def decode_order(data: bytes) -> DrawingOrder:
 
 
 def draw(
-    order: DrawingOrder, pictures: Sequence[Image], projections: Sequence[Array], config: PreviewConfig
+    order: DrawingOrder, pictures: Sequence[Image], projections: Sequence[Array], quality: int, cropping: Cropping
 ) -> list[Drawn]:
     """All views of an instant with what was found in them; the pictures are flat, as they came through the memory."""
-    return [
-        _drawn(annotate(pixels.reshape(taken.shape), order.estimate, k, projections[k]), taken, config)
-        for k, (pixels, taken) in enumerate(zip(pictures, order.taken, strict=True))
-    ]
+    drawn = []
+    for k, (pixels, taken) in enumerate(zip(pictures, order.taken, strict=True)):
+        height, width = taken.shape[:2]
+        part = cropping.part(order.estimate, k, width, height)
+        picture = part.picture(pixels.reshape(taken.shape))
+        annotated = annotate(picture, part.estimate(order.estimate, k), k, part.projection(projections[k]))
+        drawn.append(_drawn(annotated, taken, quality))
+    return drawn
 
 
-def _drawn(picture: Image, taken: PictureInfo, config: PreviewConfig) -> Drawn:
+def _drawn(picture: Image, taken: PictureInfo, quality: int) -> Drawn:
     height, width = picture.shape[:2]
-    if width > config.width:
-        size = config.width, round(height * config.width / width)
-        picture = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-        width, height = size
-    return Drawn(taken, width, height, bytes(simplejpeg.encode_jpeg(picture, config.quality, "BGR", "420")))
+    return Drawn(taken, width, height, bytes(simplejpeg.encode_jpeg(picture, quality, "BGR", "420")))
 
 
 def _from_array(value: object) -> object:
@@ -164,12 +167,13 @@ def _draw_orders(
     be_idle()
     # Zero and not one: one would wait for OpenCV's worker threads, which a forked process does not have.
     cv2.setNumThreads(0)
+    cropping = Cropping(len(projections), config.width)
     while not should_stop():
         heartbeat.beat()
         orders.wait(WAIT_NS)
         parts = orders.take()
         if parts is not None:
-            pictures = draw(decode_order(parts[0].tobytes()), parts[1:], projections, config)
+            pictures = draw(decode_order(parts[0].tobytes()), parts[1:], projections, config.quality, cropping)
             drawn.put([msgspec.msgpack.encode(pictures)])
 
 

@@ -32,6 +32,7 @@ STATUS: dict[TrackingStatus, Colour] = {
 SHIFT = 4
 FONT, FONT_SCALE = cv2.FONT_HERSHEY_SIMPLEX, 0.45
 MARGIN_PX, LINE_HEIGHT_PX = 6, 18
+LEAST_LINES = 12  # below the status, for the points' lines: in a lower picture they would hide the arm
 PAD_PX, DARKENED = 3, 4
 DOT_PX = 2.5
 SIGMAS = 2.0
@@ -43,12 +44,12 @@ def annotate(image: Image, estimate: ArmEstimate, view: int, projection: Array |
     With the camera's `projection` (3, 4), an ellipse of two sigma surrounds every point that has a covariance.
     """
     canvas: Image = np.array(as_colour(image)[..., :3], dtype=np.uint8, order="C")
+    if canvas.shape[0] - _write_status(canvas, estimate) >= LEAST_LINES * LINE_HEIGHT_PX:
+        _write_sigmas(canvas, estimate)
     if view < len(estimate.overlays):
         _draw_shape(canvas, estimate.overlays[view])
         for name in POINTS:
             _draw_point(canvas, name, estimate, estimate.overlays[view], projection)
-    if canvas.shape[0] - _write_status(canvas, estimate) >= LINE_HEIGHT_PX * len(POINTS):
-        _write_sigmas(canvas, estimate)
     return canvas
 
 

@@ -4,6 +4,7 @@ import os
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from structlog.testing import capture_logs
 from common.cameras.camera import Frame
 from common.messages.hand import TrackingStatus
 from common.messages.video import CameraStatus
+from local_site.preview.cropping import Cropping
 from local_site.preview.preview import (
     Drawn,
     PictureInfo,
@@ -88,12 +90,38 @@ def test_what_is_drawn_elsewhere_is_what_would_be_drawn_here(estimate, colour):
 def test_the_drawing_keeps_stamps_and_shrinks_what_is_too_wide():
     seen = views()
     flat = [view.current.image.reshape(-1) for view in seen.views]
-    small = draw(decode_order(encode_order(seen, FOUND)), flat, (CAMERA, CAMERA), PreviewConfig(width=160))
+    order = decode_order(encode_order(seen, FOUND))
+    small = draw(order, flat, (CAMERA, CAMERA), 70, Cropping(2, 160))
     assert [(d.width, d.height) for d in small] == [(160, 120)] * 2
     assert [simplejpeg.decode_jpeg(d.jpeg).shape for d in small] == [(120, 160, 3)] * 2
     assert [(d.taken.capture_ns, d.taken.capture_estimated) for d in small] == [(33 * MS, True), (33 * MS + 1, True)]
-    as_it_is = draw(decode_order(encode_order(seen, FOUND)), flat, (CAMERA, CAMERA), PreviewConfig(width=640))
+    as_it_is = draw(order, flat, (CAMERA, CAMERA), 70, Cropping(2, 640))
     assert [(d.width, d.height) for d in as_it_is] == [(320, 240)] * 2
+
+
+SMALL = Overlay(contour=np.array([[96, 72], [208, 156]], np.int32))  # of 0.35 of the picture
+
+
+def after_two_seconds(cameras):
+    """The pictures of a run in which the arm was found at once."""
+    cropping = Cropping(cameras, 640)
+    for k in range(24):
+        seen = views(k * 83 * MS, cameras)
+        found = replace(FOUND, t_ns=seen.t_ns, overlays=(SMALL,) * cameras)
+        flat = [view.current.image.reshape(-1) for view in seen.views]
+        drawn = draw(decode_order(encode_order(seen, found)), flat, (CAMERA,) * cameras, 70, cropping)
+    return drawn
+
+
+def test_views_are_cropped_to_the_arm_unless_a_single_camera_sees_it():
+    left, right = after_two_seconds(2)
+    for view in (left, right):
+        assert view.taken.shape == (240, 320)
+        assert view.width / view.height == pytest.approx(4 / 3, abs=0.01)
+        assert view.width == pytest.approx(0.51 * 320, abs=3)
+        assert simplejpeg.decode_jpeg(view.jpeg).shape == (view.height, view.width, 3)
+    (only,) = after_two_seconds(1)
+    assert (only.width, only.height) == (320, 240)
 
 
 class Wire:

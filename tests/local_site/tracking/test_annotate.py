@@ -141,6 +141,19 @@ def test_small_pictures_leave_the_sigmas_out_rather_than_write_over_the_reason()
     assert (annotate(small, lost(REASON), 0)[-20:] == 200).all()
 
 
+@pytest.mark.parametrize(("height", "has_lines"), [(230, False), (250, True)])
+def test_the_sigmas_cover_a_third_of_the_picture_at_most(height, has_lines):
+    tracked = estimate(overlay=Overlay(), covariances={})
+    assert annotate(np.zeros((height, 320), np.uint8), tracked, 0)[40:].any() == has_lines
+
+
+@pytest.mark.parametrize("place", [(40.0, 12.0), (40.0, 400.0)])
+def test_no_text_hides_a_point(place):
+    wrist = Overlay(wrist=np.array(place))
+    picture = annotate(BLACK, estimate(overlay=wrist, covariances={}), 0)
+    assert len(coloured(picture, POINTS["wrist"], (*place, 3))) > 8
+
+
 @pytest.mark.parametrize("number", [np.nan, np.inf])
 def test_a_sigma_that_is_no_number_leaves_its_ellipse_out(number):
     without = annotate(BLACK, estimate(covariances={}), 0, MATRIX)

@@ -1,0 +1,50 @@
+"""Chooses the part of each of the operator's views that is sent: where the tracker found the arm."""
+
+from dataclasses import fields
+
+import numpy as np
+
+from common.geometry import Array
+from common.messages.hand import TrackingStatus
+from local_site.preview.arm_window import WHOLE, ArmWindow, Box
+from local_site.preview.view_part import ViewPart
+from local_site.tracking.tracker import ArmEstimate, Overlay
+
+FOUND = (TrackingStatus.TRACKED, TrackingStatus.DEGRADED)
+PART_WIDTH = 2 / 3  # of the whole picture as it is sent: as wide a part may be sent, where the camera has the pixels
+
+
+class Cropping:
+    """The parts of all views as they are shown, where a whole picture is sent `sent_width` px wide at most.
+
+    A single camera's picture stays whole: the operator marks joints in it, also such as the tracker did not find.
+    """
+
+    def __init__(self, cameras: int, sent_width: int) -> None:
+        self._windows = [ArmWindow() for _ in range(cameras)] if cameras > 1 else []
+        self._sent_width = sent_width
+
+    def part(self, estimate: ArmEstimate, view: int, width: int, height: int) -> ViewPart:
+        """The part of a view's picture of this size in px to be shown at the estimate's instant."""
+        shown = WHOLE
+        if self._windows:
+            shown = self._windows[view].at(estimate.t_ns, arm_box(estimate, view, width, height))
+        side = shown.right - shown.left
+        across, down = round(side * width), round(side * height)
+        left, top = min(round(shown.left * width), width - across), min(round(shown.top * height), height - down)
+        sent_width = round(max(side, PART_WIDTH) * self._sent_width)
+        return ViewPart(left, top, across, down, min(across, sent_width))
+
+
+def arm_box(estimate: ArmEstimate, view: int, width: int, height: int) -> Box | None:
+    """What was found of the arm within a picture of this size in px; None where no arm is tracked in this view."""
+    if estimate.status not in FOUND or view >= len(estimate.overlays):
+        return None
+    drawn = (getattr(estimate.overlays[view], field.name) for field in fields(Overlay))
+    pixels = [np.reshape(shape, (-1, 2)) for shape in drawn if shape is not None]
+    points: Array = np.concatenate([np.empty((0, 2)), *pixels]) / (width, height)
+    points = points[np.isfinite(points).all(axis=1)]
+    if not ((points >= 0) & (points <= 1)).all(axis=1).any():
+        return None
+    corners = np.clip([points.min(axis=0), points.max(axis=0)], 0.0, 1.0)
+    return Box(*corners.ravel().tolist())
