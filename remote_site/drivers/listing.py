@@ -44,9 +44,12 @@ def list_drivers(points: Iterable[EntryPoint]) -> list[ListedDriver]:
 def _listed(point: EntryPoint, *, shared: bool) -> ListedDriver:
     origin = _origin(point)
     try:
-        description = (inspect.getdoc(point.load()) or UNDESCRIBED).partition("\n")[0]
+        factory = point.load()
     except (Exception, SystemExit) as error:  # an installed driver may raise anything
         return ListedDriver(point.name, origin, "", f"{point.value} raised {type(error).__name__}: {error}")
+    if not callable(factory):
+        return ListedDriver(point.name, origin, "", f"{point.value} cannot be called: it is no factory of drivers")
+    description = (inspect.getdoc(factory) or UNDESCRIBED).partition("\n")[0]
     missing = [f"another package provides {point.name} too: uninstall one of them"] if shared else []
     if _is_own(point) and (need := OWN_NEEDS.get(point.name)) is not None and find_spec(need[0]) is None:
         missing.append(need[1])

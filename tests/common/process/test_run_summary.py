@@ -76,7 +76,7 @@ def test_a_stop_is_counted_once_however_long_it_stays_and_again_after_a_reset():
     summary = summary_of((stopped, 2), (None, 1), (stopped, 2), (state(DISENGAGED, "reset"), 1), (stopped, 1))
     assert summary.stops == 2
     assert summary.sentences()["held"] == "never; stops: 2, faults: 0"
-    assert STOPPED == Code.STOPPED.value
+    assert Code.STOPPED.value == STOPPED
 
 
 def test_a_fault_is_counted_when_it_comes():
