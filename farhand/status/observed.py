@@ -42,14 +42,12 @@ class ObservedCamera:
     rate: ArrivalRate = field(default_factory=ArrivalRate)
     status: CameraStatus | None = None
     reason: str = ""
-    captured_ns: int = 0
 
     def take(self, frame: VideoFrame, now_ns: int) -> None:
         """Take a message of the camera."""
         self.status, self.reason = frame.status, frame.reason
         if frame.data:
             self.rate.note(now_ns)
-            self.captured_ns = frame.capture_ns
 
 
 class Observed:

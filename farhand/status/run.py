@@ -31,7 +31,7 @@ M = TypeVar("M", bound=Message)
 PATIENCE_S = 5.0
 REFRESH_S = 0.25
 JOIN_S = 1.0
-NARROW = "not counted: the link is narrow, and counting takes as much of it as a page"
+NARROW = "not counted since the link was narrow: counting takes as much of it as a page"
 
 
 class Watch:
