@@ -4,7 +4,7 @@ import time
 from datetime import UTC, datetime
 
 from common.clock import NS_PER_MS
-from common.errors import ConfigError, FarhandError, TransportError
+from common.errors import ConfigError, FarhandError, InterruptionError, TransportError
 from common.link.channels import STOP, check_cell_name
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.engagement_client import ask_engagement
@@ -35,7 +35,7 @@ def request_stop(cell: str, endpoint: str, operator: str = "", security: LinkSec
     """The acknowledgement of a stop, with how long it took, for whoever may stop: an operator, or maintenance.
 
     It is asked again until it is acknowledged, for three seconds. TransportError when it is not, ConfigError when it
-    cannot be asked; both name the emergency stop.
+    cannot be asked, InterruptionError after Ctrl-C; all name the emergency stop.
     """
     began_ns = time.monotonic_ns()
     try:
@@ -47,6 +47,8 @@ def request_stop(cell: str, endpoint: str, operator: str = "", security: LinkSec
         raise ConfigError(unacknowledged(str(error))) from error
     except FarhandError as error:
         raise TransportError(unacknowledged(str(error))) from error
+    except KeyboardInterrupt as error:
+        raise InterruptionError(unacknowledged("interrupted before an answer came")) from error
     if not reply.done:
         raise TransportError(unacknowledged(f"{reply.reason} ({reply.code})"))
     took_ms, at = (time.monotonic_ns() - began_ns) / NS_PER_MS, datetime.now(UTC)

@@ -13,7 +13,7 @@ STYLES = {Mood.GOOD: "green", Mood.PLAIN: "", Mood.WORTH_A_LOOK: "yellow", Mood.
 
 def screen(rows: Sequence[Row], title: str) -> Table:
     """The rows as a table; what another site says in them does nothing to the terminal."""
-    table = Table(title=title, show_header=False, title_justify="left", expand=True)
+    table = Table(title=title, show_header=False, title_justify="left", expand=True, box=None)  # 24 lines are few
     table.add_column(no_wrap=True)
     table.add_column(ratio=1)
     for row in rows:

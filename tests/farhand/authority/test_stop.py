@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from common.clock import NS_PER_MS
-from common.errors import ConfigError, TransportError
+from common.errors import ConfigError, InterruptionError, TransportError
 from common.messages.requests import Reply
 from farhand.authority import engage
 from farhand.authority.engage import request_disengage, request_stop
@@ -75,6 +75,15 @@ def test_without_an_answer_a_stop_is_asked_again_until_the_time_is_up(monkeypatc
 def test_a_stop_that_cannot_be_asked_is_a_mistake_that_names_the_emergency_stop_too() -> None:
     with pytest.raises(ConfigError, match=re.escape(NOT) + "operator 'No One'"):
         request_stop(CELL, "tcp/127.0.0.1:9", "No One")
+
+
+def test_ctrl_c_before_an_answer_is_no_acknowledgement(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(engage, "ask_engagement", interrupted)
+    with pytest.raises(InterruptionError, match=re.escape(NOT)):
+        request_stop(CELL, f"tcp/127.0.0.1:{free_port()}", ANNA)
 
 
 @pytest.mark.parametrize("ask", [request_stop, request_disengage])
