@@ -2,6 +2,9 @@
 
 import errno
 import sys
+from collections.abc import Callable
+from importlib.metadata import version
+from typing import Annotated
 
 import typer
 
@@ -14,25 +17,59 @@ from farhand.commands.export import export_app
 from farhand.commands.files import certificates_app, config_app, models_app
 from farhand.commands.record import episode_app, record_app
 from farhand.commands.replay import replay
-from farhand.commands.requests import engage, lease_app, maintenance_app
+from farhand.commands.requests import disengage, engage, lease_app, maintenance_app, stop_arm
 from farhand.commands.setting_up import setup
 from farhand.commands.simulations import experiment, loopback
 from farhand.commands.sites import console, local, remote, router
+from farhand.commands.status import status
 from farhand.commands.teach import teach_app
 from farhand.commands.track import track
 from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
-from farhand.terminal import complain
+from farhand.terminal import complain, say
 
 NO_SPACE = errno.ENOSPC, errno.EDQUOT
 
-app = typer.Typer(
-    help="Farhand moves a robot arm somewhere else with a bare hand.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
-for command in (setup, loopback, local, remote, console, router, engage, replay, track, experiment, doctor, limits):
-    app.command()(command)
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        say(f"farhand {version('farhand')}")
+        raise typer.Exit
+
+
+@app.callback()
+def farhand(
+    _version: Annotated[
+        bool,
+        typer.Option("--version", help="Print name and version.", callback=_print_version, is_eager=True),
+    ] = False,
+) -> None:
+    """Farhand moves a robot arm somewhere else with a bare hand.
+
+    Example: farhand loopback
+    """
+
+
+COMMANDS: dict[str, Callable[..., None]] = {
+    "setup": setup,
+    "loopback": loopback,
+    "local": local,
+    "remote": remote,
+    "console": console,
+    "router": router,
+    "status": status,
+    "engage": engage,
+    "disengage": disengage,
+    "stop": stop_arm,
+    "replay": replay,
+    "track": track,
+    "experiment": experiment,
+    "doctor": doctor,
+    "limits": limits,
+}
+for name, command in COMMANDS.items():
+    app.command(name)(command)
 for name, group in {
     "lease": lease_app,
     "maintenance": maintenance_app,

@@ -159,6 +159,10 @@ class Link:
         """Whether our certificate's role may subscribe to the channel; without certificates every site may."""
         return self._credentials is None or self._credentials.identity.role in channel.received_by
 
+    def may_ask(self, procedure: Procedure[Q, R]) -> bool:
+        """Whether our certificate's role may ask this; without certificates every site may."""
+        return self._credentials is None or self._credentials.identity.role in procedure.asked_by
+
     def check_connected(self) -> None:
         """RefusedError with the reason when this side and the listener at one of our endpoints refuse each other.
 

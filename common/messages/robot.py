@@ -22,6 +22,7 @@ class SessionState(StrEnum):
 
 
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)  # within an engagement
+STOPPED = "stopped"  # the code after a stop, until it is reset
 SITE_ENDED = "site_ended"  # the code of the last state of a remote site that was asked to end
 
 

@@ -5,6 +5,7 @@ import logging
 import os
 import sys
 from collections import Counter
+from collections.abc import Mapping
 from enum import StrEnum
 from functools import cache
 from logging.handlers import QueueHandler, QueueListener
@@ -50,6 +51,12 @@ def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
         cache_logger_on_first_use=False,
     )
     catch_strays()
+
+
+def log_summary(sentences: Mapping[str, str]) -> None:
+    """What a run was like, a line for each sentence by its name, before the last line."""
+    for name, sentence in sentences.items():
+        structlog.get_logger().info("summary", **{name: sentence})
 
 
 def log_end() -> None:

@@ -1,25 +1,71 @@
-"""Asks the remote site to let the arm follow the hand, and, for maintenance, to stop or reset it."""
+"""Asks the remote site to let the arm follow the hand or to end that, to stop it, and, for maintenance, to reset it."""
 
-from common.errors import TransportError
-from common.link.channels import check_cell_name
+import time
+from datetime import UTC, datetime
+
+from common.clock import NS_PER_MS
+from common.errors import ConfigError, FarhandError, InterruptionError, TransportError
+from common.link.channels import STOP, check_cell_name
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.engagement_client import ask_engagement
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
-from common.messages.requests import EngagementAction
+from common.messages.requests import EngagementAction, Reply
 from farhand.authority.asking import link_to
 from local_site.authority.config import host_operator
 
 
 def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
     """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
-    name = check_cell_name(operator or host_operator(), "operator")
-    with link_to(cell, endpoint, security=security) as link:
-        client = RequestClient(link, cell, RemoteClock(link, cell), operator=name)
-        reply = ask_engagement(client, EngagementAction.ENGAGE)
+    reply = _ask_as_operator(cell, endpoint, operator, EngagementAction.ENGAGE, security)
     if not reply.done:
         raise TransportError(f"not engaged ({reply.code}): {reply.reason}")
     return f"engaged: {reply.reason}"
+
+
+def request_disengage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
+    """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
+    reply = _ask_as_operator(cell, endpoint, operator, EngagementAction.DISENGAGE, security)
+    if not reply.done:
+        raise TransportError(f"not disengaged ({reply.code}): {reply.reason}")
+    return reply.reason
+
+
+def request_stop(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
+    """The acknowledgement of a stop, with how long it took, for whoever may stop: an operator, or maintenance.
+
+    It is asked again until it is acknowledged, for three seconds. TransportError when it is not, ConfigError when it
+    cannot be asked, InterruptionError after Ctrl-C; all name the emergency stop.
+    """
+    began_ns = time.monotonic_ns()
+    try:
+        name = check_cell_name(operator or host_operator(), "operator")
+        with link_to(cell, endpoint, security=security) as link:
+            client = RequestClient(link, cell, operator=name)
+            reply = ask_engagement(client, EngagementAction.STOP, maintenance=not link.may_ask(STOP))
+    except ConfigError as error:
+        raise ConfigError(unacknowledged(str(error))) from error
+    except FarhandError as error:
+        raise TransportError(unacknowledged(str(error))) from error
+    except KeyboardInterrupt as error:
+        raise InterruptionError(unacknowledged("interrupted before an answer came")) from error
+    if not reply.done:
+        raise TransportError(unacknowledged(f"{reply.reason} ({reply.code})"))
+    took_ms, at = (time.monotonic_ns() - began_ns) / NS_PER_MS, datetime.now(UTC)
+    return f"STOP acknowledged at {at:%H:%M:%S} UTC, after {took_ms:.0f} ms: {reply.reason}"
+
+
+def unacknowledged(why: str) -> str:
+    """What to say of a stop that the remote site has not acknowledged."""
+    return f"STOP NOT ACKNOWLEDGED: the arm may still move, use the emergency stop. {why}"
+
+
+def _ask_as_operator(
+    cell: str, endpoint: str, operator: str, action: EngagementAction, security: LinkSecurity
+) -> Reply:
+    name = check_cell_name(operator or host_operator(), "operator")
+    with link_to(cell, endpoint, security=security) as link:
+        return ask_engagement(RequestClient(link, cell, RemoteClock(link, cell), operator=name), action)
 
 
 def request_maintenance(

@@ -3,12 +3,10 @@
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from common.cameras.camera import Camera
 from common.cameras.settings import AS_IT_IS, CameraSettings
 from common.cameras.sources import open_camera
-from common.config import load_config
 from local_site.config import LocalConfig
 
 
@@ -20,11 +18,11 @@ class CameraSetup:
     settings: Mapping[str, CameraSettings] = field(default_factory=dict)
 
 
-def configured_cameras(path: Path | None, names: Sequence[str]) -> CameraSetup:
-    """The cameras' setup in a local site's file, nothing without one; ConfigError for settings of an unknown name."""
-    if path is None:
+def configured_cameras(site: LocalConfig | None, names: Sequence[str]) -> CameraSetup:
+    """The cameras' setup of a local site, nothing without one; ConfigError for settings of an unknown name."""
+    if site is None:
         return CameraSetup()
-    operator = load_config(LocalConfig, path).operator
+    operator = site.operator
     return CameraSetup(operator.fps, operator.settings_of(names))
 
 

@@ -2,11 +2,14 @@
 
 from contextlib import ExitStack, closing
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from farhand.commands.options import until_signal
+from farhand.commands.options import load_own, until_signal
+
+if TYPE_CHECKING:
+    from local_site.config import LocalConfig
 
 RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
 Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
@@ -127,7 +130,7 @@ def calibrate_live_command(
     check_file("--out", out, sources.values())
     check_folder("--pictures", pictures, sources.values())
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
-    job = PictureJob(sources, out, pictures, serial or (), configured_cameras(config, list(sources)))
+    job = PictureJob(sources, out, pictures, serial or (), configured_cameras(_site_of(config), list(sources)))
     typer.echo(describe(calibrate_live(job, printed, standing, poses, until_signal(), typer.echo)))
 
 
@@ -157,7 +160,7 @@ def calibrate_latency_command(
     from farhand.calibration.pictures import by_name
 
     sources = by_name((left, right, third, fourth))
-    setup = configured_cameras(config, list(sources))
+    setup = configured_cameras(_site_of(config), list(sources))
     should_stop = until_signal()
     with ExitStack() as stack:
         page = stack.enter_context(PatternPage(MonotonicClock(), secrets.token_urlsafe(8), port))
@@ -168,3 +171,10 @@ def calibrate_latency_command(
         typer.echo(describe(measured, screen_ms))
     if refused:
         raise CalibrationError("\n".join(refused))
+
+
+def _site_of(config: Path | None) -> "LocalConfig | None":
+    """The local site of a file, None without one."""
+    from local_site.config import LocalConfig
+
+    return load_own(LocalConfig, config) if config is not None else None

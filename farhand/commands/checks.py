@@ -1,16 +1,15 @@
-"""`farhand doctor`, `limits` and the command under `farhand driver`: checks of machine, configuration and driver."""
+"""`farhand doctor`, `limits` and the commands under `farhand driver`: checks of machine, configuration and driver."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from common.config import load_config
-from farhand.commands.options import ConfigFile, Settings
+from farhand.commands.options import ConfigFile, Settings, load_own
 from farhand.exit_codes import FAILED, UNDECIDED
 from farhand.terminal import say
 
-driver_app = typer.Typer(help="Check robot drivers.", no_args_is_help=True)
+driver_app = typer.Typer(help="List and check robot drivers.", no_args_is_help=True)
 
 
 def doctor(
@@ -46,11 +45,23 @@ def limits(config: ConfigFile = None, settings: Settings = None) -> None:
     from remote_site.kinematics.limits import load_arm
     from remote_site.safety.stop_bound import check_stops
 
-    loaded = load_config(RemoteConfig, config, settings or ())
+    loaded = load_own(RemoteConfig, config, settings or ())
     model, bounds = load_arm(loaded.robot)
     for line in limits_report(loaded, model, bounds):
         say(line)
     check_stops(bounds, loaded.robot.speed, loaded.safety.longest_stop_ms)
+
+
+@driver_app.command("list")
+def list_drivers() -> None:
+    """List the drivers by name: where each comes from, what it is, and what is missing where it cannot be used.
+
+    Example: farhand driver list
+    """
+    from remote_site.drivers.listing import installed_drivers
+
+    for driver in installed_drivers():
+        say(str(driver))
 
 
 @driver_app.command("test")
@@ -69,7 +80,7 @@ def run_suite(
     from remote_site.drivers.conformance.verdicts import Verdict
     from remote_site.runtime.conformance import test_driver
 
-    loaded = load_config(RemoteConfig, config, [*(settings or ()), f"driver.name={name}"])
+    loaded = load_own(RemoteConfig, config, [*(settings or ()), f"driver.name={name}"])
     verdicts = test_driver(loaded, say)
     if Verdict.FAILED in verdicts:
         raise typer.Exit(FAILED)

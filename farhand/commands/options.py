@@ -1,16 +1,23 @@
 """Arguments that several commands have in common, and what the commands make of them."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
 from common.config import load_config
+from common.errors import ConfigError
 from common.process.log import LogFormat
 from common.process.service import StopFlag
 
 if TYPE_CHECKING:
+    from farhand.router import RouterConfig
+    from local_site.config import LocalConfig
     from local_site.console.config import ConsoleConfig
+    from remote_site.config import RemoteConfig
+
+C = TypeVar("C", "RemoteConfig", "LocalConfig", "ConsoleConfig", "RouterConfig")
 
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", help="TOML file, as 'farhand config show' prints one; else the defaults.")
@@ -23,6 +30,7 @@ LinksFile = Annotated[
 ]
 CellName = Annotated[str, typer.Option("--cell", help="Name of the cell.")]
 RemoteEndpoint = Annotated[str, typer.Option("--remote", help="Control endpoint of the remote site.")]
+VideoEndpoint = Annotated[str, typer.Option("--video", help="Video endpoint of the remote site.")]
 LocalEndpoint = Annotated[str, typer.Option("--local", help="Where the local site of this host listens.")]
 
 TRACKER_HELP = (
@@ -38,9 +46,21 @@ def until_signal() -> StopFlag:
     return should_stop
 
 
+def load_own(kind: type[C], path: Path | None, settings: Sequence[str] = ()) -> C:
+    """The configuration; ConfigError names every mistake, or whose the file is where it is for another command."""
+    try:
+        return load_config(kind, path, settings)
+    except ConfigError as error:
+        from farhand.deployment.mix_ups import mix_up
+
+        if path is not None and (sentence := mix_up(path, kind)):
+            raise ConfigError(sentence) from error
+        raise
+
+
 def console_config(config: Path | None, **given: str) -> "ConsoleConfig":
     """The sites to ask, and the certificates: the console's configuration, overridden by the command line."""
     from local_site.console.config import ConsoleConfig
 
     settings = [f"{key if key == 'cell' else f'links.{key}'}={value}" for key, value in given.items() if value]
-    return load_config(ConsoleConfig, config, settings)
+    return load_own(ConsoleConfig, config, settings)

@@ -6,9 +6,8 @@ from typing import Annotated
 
 import typer
 
-from common.config import load_config
 from common.errors import ConfigError
-from farhand.commands.options import ConfigFile, Settings, until_signal
+from farhand.commands.options import ConfigFile, Settings, load_own, until_signal
 from farhand.terminal import say
 
 
@@ -42,7 +41,7 @@ def replay(
             from farhand.replay.to_robot import replay_to_robot
             from local_site.config import LocalConfig
 
-            local = load_config(LocalConfig, config, settings or ())
+            local = load_own(LocalConfig, config, settings or ())
             replay_to_robot(file, Path(folder), episode, speed, local, until_signal())
             return
         if verify:

@@ -1,10 +1,11 @@
-"""The requests to running sites: `farhand engage`, the commands under `farhand lease` and `farhand maintenance`."""
+"""The requests to running sites: `farhand engage`, `disengage`, `stop`, and those under `lease` and `maintenance`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from common.errors import ConfigError
 from farhand.commands.options import CellName, LinksFile, LocalEndpoint, RemoteEndpoint, console_config
 from farhand.terminal import say
 
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     from common.messages.requests import OperatorAction
     from common.messages.robot import Asker
     from local_site.console.config import ConsoleConfig
+
+OperatorName = Annotated[str, typer.Option("--operator", help="The operator's name, where it is not this host's.")]
 
 lease_app = typer.Typer(
     help="Show who may operate a cell; take the lease, hand it over, release it.", no_args_is_help=True
@@ -22,7 +25,7 @@ maintenance_app = typer.Typer(help="Stop and reset the arm, without holding the 
 def engage(
     cell: CellName = "",
     at: RemoteEndpoint = "",
-    operator: Annotated[str, typer.Option(help="The operator's name, where it is not this host's.")] = "",
+    operator: OperatorName = "",
     config: LinksFile = None,
 ) -> None:
     """Let the arm follow the hand again, after a stop or a restart of the local site.
@@ -33,6 +36,38 @@ def engage(
 
     links = console_config(config, cell=cell, control=at)
     say(request_engage(links.cell, links.links.control, operator or links.name, links.links))
+
+
+def disengage(
+    cell: CellName = "", at: RemoteEndpoint = "", operator: OperatorName = "", config: LinksFile = None
+) -> None:
+    """End the engagement, as the lease's holder: the arm comes to rest, and follows again once it is engaged.
+
+    Example: farhand disengage --cell cell
+    """
+    from farhand.authority.engage import request_disengage
+
+    links = console_config(config, cell=cell, control=at)
+    say(request_disengage(links.cell, links.links.control, operator or links.name, links.links))
+
+
+def stop_arm(
+    cell: CellName = "", at: RemoteEndpoint = "", operator: OperatorName = "", config: LinksFile = None
+) -> None:
+    """Stop the arm, with or without the lease, and refuse every engagement until it is reset; power stays on.
+
+    It is asked again for three seconds, until it is acknowledged; if that fails the exit code is 1: use the emergency
+    stop, which this never is.
+
+    Example: farhand stop --cell cell
+    """
+    from farhand.authority.engage import request_stop, unacknowledged
+
+    try:
+        links = console_config(config, cell=cell, control=at)
+    except ConfigError as error:
+        raise ConfigError(unacknowledged(str(error))) from error
+    say(request_stop(links.cell, links.links.control, operator or links.name, links.links))
 
 
 @lease_app.command("show")

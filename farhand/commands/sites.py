@@ -5,9 +5,8 @@ from typing import Annotated
 
 import typer
 
-from common.config import load_config
 from common.process.log import LogFormat
-from farhand.commands.options import ConfigFile, LogLines, Settings, until_signal
+from farhand.commands.options import ConfigFile, LogLines, Settings, load_own, until_signal
 
 
 def remote(
@@ -27,7 +26,7 @@ def remote(
 
     chosen = ([f"driver.name={driver}"] if driver else []) + (["driver.emulate=true"] if emulate else [])
     chosen += [f"cell={cell}"] if cell else []
-    run_remote(load_config(RemoteConfig, config, [*(settings or ()), *chosen]), until_signal(), log_format)
+    run_remote(load_own(RemoteConfig, config, [*(settings or ()), *chosen]), until_signal(), log_format)
 
 
 def local(
@@ -45,7 +44,7 @@ def local(
     from local_site.runtime.app import run_local
 
     check_folder("--save-views", save_views)
-    run_local(load_config(LocalConfig, config, settings or ()), until_signal(), save_views, log_format)
+    run_local(load_own(LocalConfig, config, settings or ()), until_signal(), save_views, log_format)
 
 
 def console(config: ConfigFile = None, settings: Settings = None, log_format: LogLines = LogFormat.TEXT) -> None:
@@ -56,7 +55,7 @@ def console(config: ConfigFile = None, settings: Settings = None, log_format: Lo
     from local_site.console.app import run_console
     from local_site.console.config import ConsoleConfig
 
-    run_console(load_config(ConsoleConfig, config, settings or ()), until_signal(), typer.echo, log_format)
+    run_console(load_own(ConsoleConfig, config, settings or ()), until_signal(), typer.echo, log_format)
 
 
 def router(
@@ -71,7 +70,7 @@ def router(
     """
     from farhand.router import RouterConfig, run_router, zenohd_configuration
 
-    loaded = load_config(RouterConfig, config, settings or ())
+    loaded = load_own(RouterConfig, config, settings or ())
     if zenohd:
         typer.echo(zenohd_configuration(loaded))
     else:

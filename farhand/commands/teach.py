@@ -6,9 +6,8 @@ from typing import Annotated
 
 import typer
 
-from common.config import load_config
 from common.errors import ConfigError
-from farhand.commands.options import ConfigFile, Settings, until_signal
+from farhand.commands.options import ConfigFile, Settings, load_own, until_signal
 from farhand.terminal import say
 
 teach_app = typer.Typer(help="Do a task by hand once, and run it again.", no_args_is_help=True)
@@ -88,5 +87,5 @@ def run(
     from farhand.teach.run import frame_from, run_task
     from local_site.config import LocalConfig
 
-    local = load_config(LocalConfig, config, settings or ())
+    local = load_own(LocalConfig, config, settings or ())
     run_task(file, frame_from(frame), speed, local, until_signal(), stepwise=step)

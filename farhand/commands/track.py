@@ -5,9 +5,8 @@ from typing import Annotated
 
 import typer
 
-from common.config import load_config
 from common.errors import ConfigError
-from farhand.commands.options import TRACKER_HELP, Settings, until_signal
+from farhand.commands.options import TRACKER_HELP, Settings, load_own, until_signal
 from local_site.tracking.config import Method
 
 
@@ -67,7 +66,7 @@ def track(
         raise ConfigError(f"--monocular takes the monocular tracker, not {tracker}: leave out --tracker")
     chosen = [] if tracker is None else [f"tracking.method={tracker}"]
     chosen += joint_settings(shown_joints) if shown_joints else []
-    site = load_config(LocalConfig, config, [*(settings or ()), *chosen])
+    site = load_own(LocalConfig, config, [*(settings or ()), *chosen])
     sources = TrackSources(rig, monocular or left or "", right, fps, site, tuple(also or ()))
     outputs = TrackOutputs(out, annotate, video, report, csv)
     should_stop = until_signal()

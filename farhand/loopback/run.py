@@ -23,6 +23,7 @@ from farhand.loopback.figures import Expectation, Figures, all_figures, session_
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.recorded import read_run, recording_figures
 from farhand.loopback.recorder import Record, Recorder
+from farhand.loopback.rendering import explained
 from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import SiteProcess, listens, start_site
 from farhand.outputs import check_file, check_folder
@@ -118,6 +119,11 @@ class Loopback:
         self.operator_views = operator_views(self._local.tracking.method)
         self._operator = LoopbackOperator(make_operator(self._local.simulation), Beginning())
         self._sites = RunningSites()
+
+    @property
+    def views_are_simulated(self) -> bool:
+        """Whether the remote site renders its views."""
+        return self._remote.views_are_simulated
 
     @property
     def record(self) -> Record:
@@ -249,7 +255,10 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     if options.record is not None and options.record.exists():
         raise ConfigError(f"--record {options.record} exists already; give a new file")
     loop = Loopback(options, should_stop)
-    figures = loop.run()
+    try:
+        figures = loop.run()
+    except ProcessError as error:
+        raise explained(error, views_are_simulated=loop.views_are_simulated) from error
     print_table(figures, Console())
     if options.report is not None:
         write_report(options.report, figures)

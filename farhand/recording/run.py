@@ -8,12 +8,13 @@ from pathlib import Path
 import structlog
 
 from common.config import apply_setting, load_config, read_tables
-from common.errors import FarhandError, RecordingError
+from common.errors import ConfigError, FarhandError, RecordingError
 from common.process.log import LogFormat, log_end, start_log
 from common.process.service import StopFlag, be_nice
 from common.recording.folder import make_private, recordings_folder
 from common.recording.session import RecordingPlan
 from farhand.deployment.kinds import known_keys
+from farhand.deployment.mix_ups import mix_up
 from local_site.config import LocalConfig
 from remote_site.config import RemoteConfig
 
@@ -57,9 +58,14 @@ def load_site(config: Path | None, settings: Sequence[str]) -> RemoteConfig | Lo
     table = read_tables(config)
     for setting in settings:
         apply_setting(table, setting)
-    if known_keys(table, LocalConfig) > known_keys(table, RemoteConfig):
-        return load_config(LocalConfig, config, settings)
-    return load_config(RemoteConfig, config, settings)
+    try:
+        if known_keys(table, LocalConfig) > known_keys(table, RemoteConfig):
+            return load_config(LocalConfig, config, settings)
+        return load_config(RemoteConfig, config, settings)
+    except ConfigError as error:
+        if config is not None and (sentence := mix_up(config, RemoteConfig, LocalConfig)):
+            raise ConfigError(sentence) from error
+        raise
 
 
 def _record(

@@ -13,6 +13,7 @@ from common.messages.hand import OperatorSettings
 from common.messages.robot import SITE_ENDED, Asker, RobotState
 from common.process.link_log import LinkLog
 from common.process.log import RefusalLog
+from common.process.run_summary import RunSummary
 from common.process.state_lines import StateLines, counted
 
 CODES_APART_NS = NS_PER_S  # near a limit a reason comes and goes with every sample
@@ -44,7 +45,7 @@ class RemoteWatch:
     site for the lease.
 
     `engaged` gets the time of the hand's origin (ns) while the arm obeys this session or waits for it; `state` is what
-    was heard last.
+    was heard last; `summary` counts this session's engagements.
     """
 
     def __init__(self, states: Latest[RobotState], session: int, engaged: Callable[[int], None]) -> None:
@@ -59,6 +60,7 @@ class RemoteWatch:
         self._logged_ns = 0
         self._refusals = RefusalLog("state refused")
         self._link_log = LinkLog()
+        self.summary = RunSummary()
 
     @property
     def settings(self) -> OperatorSettings | None:
@@ -87,6 +89,8 @@ class RemoteWatch:
             self._log_silence()
         elif alive:
             structlog.get_logger().info("the remote site is there")
+        if not self._health.alive:
+            self.summary.note(None, now_ns)
 
     def _log_silence(self) -> None:
         """Log that no state comes any more; the last one may have told why."""
@@ -105,6 +109,7 @@ class RemoteWatch:
         self._link_log.note_limit(state.age_limit_ms, state.speed_scale, ready.code, ready.reason)
         lease = state.lease
         ours = lease is not None and lease.session == self._session
+        self.summary.note(state if ours else None, now_ns)
         self._link_log.note(state.hand_link if ours else None, state.video_link, now_ns)
         if ours and state.engagement is not None:
             self._engaged(state.engagement.hand_capture_ns)

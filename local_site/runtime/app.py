@@ -82,6 +82,7 @@ def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) ->
                 notify("WATCHDOG=1")
         finally:
             site.save_profile()
+            site.log_summary()
         if save_views is not None:
             site.save_views(save_views)
 

@@ -11,7 +11,7 @@ from common.errors import CameraError, MessageError
 from common.link.channels import HAND, INTENT, JOINTS
 from common.link.transport import Link
 from common.messages.hand import TrackingStatus
-from common.process.log import RefusalLog
+from common.process.log import RefusalLog, log_summary
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.rig_cameras import OperatorRig
 from local_site.authority.lease_client import Authority
@@ -22,6 +22,7 @@ from local_site.preview.preview import Preview
 from local_site.runtime.joint_clicks import JointClicks
 from local_site.runtime.profile_file import ProfileStore
 from local_site.runtime.recorder_relay import RecorderRelay
+from local_site.runtime.sample_tally import SampleTally
 from local_site.samples.hand_sample import HandSampler, IntentMerge, OpenHand, unless_in_force
 from local_site.samples.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
@@ -141,6 +142,7 @@ class LocalSite:
         self._relay = relay
         self._watch, self._preview, self._clock = watch, preview, clock
         self._status: TrackingStatus | None = None
+        self._tally = SampleTally()
 
     def step(self) -> None:
         """Wait for the next views, track, smooth, send; without views, send why. CameraError once a camera ended.
@@ -151,12 +153,14 @@ class LocalSite:
         if views is not None:
             estimate = self._tracking.track(views)
             self._sender.send_tracked(estimate)
+            self._tally.note(estimate.status, self._clock.now_ns() - estimate.t_ns)
             self._log_status(estimate.status, estimate.reason)
             self._watch.poll(self._clock.now_ns())
             self._preview.show(views, estimate)
         else:
             reason = self._capture.problem() or "no new views of the operator"
             self._sender.send_lost(reason)
+            self._tally.note(TrackingStatus.LOST, 0)
             self._log_status(TrackingStatus.LOST, reason)
             if self._capture.ended:
                 raise CameraError(reason)
@@ -168,6 +172,10 @@ class LocalSite:
     def save_profile(self) -> None:
         """Save what has been learned of the operator, if a folder is configured."""
         self._tracking.save_profile()
+
+    def log_summary(self) -> None:
+        """Log what the run was like."""
+        log_summary({**self._watch.summary.sentences(), "samples": str(self._tally)})
 
     def save_views(self, folder: Path) -> None:
         """Write the last views, annotated, into a folder; a warning without any, CameraError if it cannot write."""

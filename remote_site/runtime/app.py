@@ -22,7 +22,7 @@ from common.link.tap import untapped
 from common.link.viewers import Site
 from common.messages.video import VideoFrame
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
-from common.process.log import LogFormat, log_end, start_log
+from common.process.log import LogFormat, log_end, log_summary, start_log
 from common.process.service import StopFlag, notify
 from common.process.viewers import run_viewers
 from remote_site.config import RemoteConfig
@@ -106,6 +106,7 @@ def _start_children(
         children.start("cell", partial(run_cell_child, config, memory, witness))
     children.start("driver", partial(run_driver, config, driver_memory, memory))
     tally = VideoTally([camera.name for camera in config.video.cameras])
+    stack.callback(lambda: log_summary(tally.sentences()))
     assist = _assist_memory(config)
     recording = _recording_memory(config)
     if recording is not None:
@@ -201,7 +202,7 @@ def _video(
 
         def publish(frame: VideoFrame) -> None:
             publishers[frame.camera].put(frame)
-            tally.note(frame)
+            tally.note(frame, time.monotonic_ns())
 
         shown = [link.latest(SHOWN, config.cell, operator=name).take_named for name in config.links.heard]
         key_frames = link.latest(KEY_FRAMES, config.cell).take

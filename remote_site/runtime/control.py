@@ -17,7 +17,7 @@ from common.messages.hand import HandArm
 from common.messages.requests import EngagementAction, Reply
 from common.messages.robot import FOLLOWING, SessionState
 from common.process.children import Heartbeat
-from common.process.log import RefusalLog
+from common.process.log import RefusalLog, log_summary
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.faults import FaultCode
@@ -99,12 +99,15 @@ def run_control(
             asked = RecordingRequests(link, config.cell, config.links.heard, leases, tap, refusals.note)
             recording = ControlRecording(tap, asked)
         loop = ControlLoop(driven, leases, inbox, reporter, server, mirror, site, assist, recording)
-        while not should_stop():
-            rate.wait()
-            loop.tick(clock.now_ns())
-            heartbeat.beat()
-        driver.stop()
-        loop.end()
+        try:
+            while not should_stop():
+                rate.wait()
+                loop.tick(clock.now_ns())
+                heartbeat.beat()
+            driver.stop()
+            loop.end()
+        finally:
+            log_summary(reporter.summary.sentences())
 
 
 class Inbox:

@@ -16,6 +16,7 @@ from common.messages.robot import (
     SessionState,
 )
 from common.process.link_log import LinkLog
+from common.process.run_summary import RunSummary
 from remote_site.kinematics.model import ArmModel
 from remote_site.recording.control_tap import ControlTap
 from remote_site.runtime.driven_pipeline import DrivenPipeline
@@ -33,7 +34,10 @@ STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in ev
 
 
 class Reporter:
-    """Publishes RobotState with the times of the obeyed samples, and shares the lease in force."""
+    """Publishes RobotState with the times of the obeyed samples, and shares the lease in force.
+
+    `summary` counts what was published.
+    """
 
     def __init__(
         self,
@@ -57,6 +61,7 @@ class Reporter:
         self._tracing = Tracing()
         self._timing = measure_timing()
         self._log, self._link_log = TransitionLog(), LinkLog()
+        self.summary = RunSummary()
 
     def note(self, snapshot: Snapshot, driven: DrivenPipeline) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
@@ -78,40 +83,40 @@ class Reporter:
         code, reason = answer.reason.code.value, answer.reason.sentence
         self._link_log.note_limit(snapshot.age_limit_ms, snapshot.speed_scale, code, reason)
         self._link_log.note(hand_link, video_link, snapshot.now_ns)
-        self._publisher.put(
-            RobotState(
-                session=self._session,
-                seq=self._seq,
-                t_ns=report.t_ns,
-                state=snapshot.state,
-                code=snapshot.reason.code.value,
-                reason=snapshot.reason.sentence,
-                age_limit_ms=snapshot.age_limit_ms,
-                speed_scale=snapshot.speed_scale,
-                q=tuple(report.q.tolist()),
-                q_commanded=tuple(driven.sent.q.tolist()),
-                base_T_tool=Pose.from_transform(self._model.forward(report.q)),
-                gripper=report.gripper,
-                gripper_toggles_applied=snapshot.gripper_toggles,
-                gripper_next=snapshot.gripper_next,
-                obeyed=self._tracing.reported(),
-                engagement=snapshot.engagement,
-                rejected={code.value: count for code, count in snapshot.rejected.items()} | dict(malformed),
-                timing=self._timing,
-                lease=lease,
-                clock=snapshot.clock,
-                readiness=Readiness(answer.done, code, reason, snapshot.held),
-                min_distance=_finite(self._collision.distance(report.q)),
-                target=Pose.from_transform(snapshot.target) if following else None,
-                traced=self._tracing.traced,
-                settings=snapshot.settings,
-                reference=snapshot.reference if following else None,
-                hand_link=hand_link,
-                video_link=video_link,
-                assist=snapshot.assist,
-                recording=self._tap.state(snapshot.now_ns) if self._tap is not None else None,
-            )
+        state = RobotState(
+            session=self._session,
+            seq=self._seq,
+            t_ns=report.t_ns,
+            state=snapshot.state,
+            code=snapshot.reason.code.value,
+            reason=snapshot.reason.sentence,
+            age_limit_ms=snapshot.age_limit_ms,
+            speed_scale=snapshot.speed_scale,
+            q=tuple(report.q.tolist()),
+            q_commanded=tuple(driven.sent.q.tolist()),
+            base_T_tool=Pose.from_transform(self._model.forward(report.q)),
+            gripper=report.gripper,
+            gripper_toggles_applied=snapshot.gripper_toggles,
+            gripper_next=snapshot.gripper_next,
+            obeyed=self._tracing.reported(),
+            engagement=snapshot.engagement,
+            rejected={code.value: count for code, count in snapshot.rejected.items()} | dict(malformed),
+            timing=self._timing,
+            lease=lease,
+            clock=snapshot.clock,
+            readiness=Readiness(answer.done, code, reason, snapshot.held),
+            min_distance=_finite(self._collision.distance(report.q)),
+            target=Pose.from_transform(snapshot.target) if following else None,
+            traced=self._tracing.traced,
+            settings=snapshot.settings,
+            reference=snapshot.reference if following else None,
+            hand_link=hand_link,
+            video_link=video_link,
+            assist=snapshot.assist,
+            recording=self._tap.state(snapshot.now_ns) if self._tap is not None else None,
         )
+        self._publisher.put(state)
+        self.summary.note(state, snapshot.now_ns)
         return self._publisher.payload_bytes
 
 

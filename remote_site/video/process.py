@@ -33,18 +33,22 @@ LIVE_POLL_NS = 5 * NS_PER_MS
 NARROW_EVERY_NS = 500 * NS_PER_MS
 WATCHED_NS = NS_PER_S
 STATUSES = tuple(CameraStatus)
-BYTES, CAPTURE_NS = len(STATUSES), len(STATUSES) + 1
-FIELDS = len(STATUSES) + 2
+BYTES, CAPTURE_NS, OLDEST_NS = (len(STATUSES) + k for k in range(3))
+FIELDS = len(STATUSES) + 3
 COUNT_BYTES = 8
 
 
 @dataclass(frozen=True, slots=True)
 class CameraTally:
-    """One camera: messages by status, bytes of pictures, exposure of the newest live picture (ns, 0 without one)."""
+    """One camera: messages by status, bytes of pictures, exposure of the newest live picture (ns, 0 without one).
+
+    `oldest_ns` is the longest time from a live picture's exposure until it was sent.
+    """
 
     frames: dict[CameraStatus, int]
     picture_bytes: int
     capture_ns: int
+    oldest_ns: int
 
 
 class VideoTally:
@@ -55,18 +59,28 @@ class VideoTally:
         memory = mmap.mmap(-1, len(self.cameras) * FIELDS * COUNT_BYTES)
         self._counts = np.frombuffer(memory, dtype=np.int64).reshape(len(self.cameras), FIELDS)
 
-    def note(self, frame: VideoFrame) -> None:
-        """Count a message that was sent."""
+    def note(self, frame: VideoFrame, now_ns: int) -> None:
+        """Count a message that was sent now."""
         row = self._counts[self.cameras.index(frame.camera)]
         row[STATUSES.index(frame.status)] += 1
         row[BYTES] += len(frame.data)
         if frame.status is CameraStatus.LIVE:
             row[CAPTURE_NS] = frame.capture_ns
+            row[OLDEST_NS] = max(row[OLDEST_NS], now_ns - frame.capture_ns)
 
     def read(self, camera: str) -> CameraTally:
         """The counts of one camera so far."""
         counts = self._counts[self.cameras.index(camera)].tolist()
-        return CameraTally(dict(zip(STATUSES, counts, strict=False)), counts[BYTES], counts[CAPTURE_NS])
+        return CameraTally(dict(zip(STATUSES, counts, strict=False)), *counts[BYTES:])
+
+    def sentences(self) -> dict[str, str]:
+        """How many messages of all cameras were sent by status, and how old the oldest live picture was."""
+        every = [self.read(camera) for camera in self.cameras]
+        sent = {status: sum(tally.frames[status] for tally in every) for status in STATUSES}
+        others = [f"{count} {status}" for status, count in sent.items() if count and status is not CameraStatus.LIVE]
+        oldest_ms = max((tally.oldest_ns for tally in every), default=0) / NS_PER_MS
+        live = f"{sent[CameraStatus.LIVE]} live, the oldest {oldest_ms:.0f} ms from exposure to sending"
+        return {"pictures": ", ".join([live, *others])} if any(sent.values()) else {}
 
 
 class LeaseInForce(NamedTuple):

@@ -1,6 +1,7 @@
 """A daemon's life as systemd sees it: ready once, its watchdog fed, an end that is announced, or a child that hangs."""
 
 import os
+import re
 import signal
 import time
 import urllib.request
@@ -39,7 +40,12 @@ def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_
     assert [site.exit_code for site in processes] == [0, 0]
     sites.wait("no process to be left", lambda: not any(alive(p) for p in started), END_S)
     assert all(list(site.lines)[-1].endswith('event=ended reason="it was asked to end"') for site in processes)
-    assert not [line for site in processes for line in site.lines if "fault" in line]
+    assert not [line for site in processes for line in site.lines if "fault" in line and "faults: 0" not in line]
+    for site in processes:
+        said = [line for line in site.lines if "event=summary" in line]
+        assert 3 <= len(said) <= 5
+        assert any(re.search(r'run=".* engaged (once|\d+ times) for ', line) for line in said)
+        assert said[-1] in list(site.lines)[-5:]
     for site in processes:
         told = sites.systemd[site.pid].words
         sites.wait("the last word", lambda told=told: told[-1] == "STOPPING=1", END_S)

@@ -76,7 +76,7 @@ def test_video_is_told_camera_by_camera() -> None:
     tally = VideoTally(["front", "side"])
     live = with_(VIDEO, camera="side", status=CameraStatus.LIVE, data=b"12345", capture_ns=HEARD_NS)
     for frame in (live, live, with_(live, status=CameraStatus.FROZEN, data=b"", capture_ns=1)):
-        tally.note(frame)
+        tally.note(frame, frame.capture_ns)
     figures = RemoteFigures(tally)
     assert read(figures, "farhand_video_frames_total", camera="side", status="live") == 2
     assert read(figures, "farhand_video_frames_total", camera="side", status="frozen") == 1
@@ -84,6 +84,15 @@ def test_video_is_told_camera_by_camera() -> None:
     assert read(figures, "farhand_video_bytes_total", camera="side") == 10
     assert read(figures, "farhand_video_age_seconds", camera="side") == pytest.approx(2.0)
     assert read(figures, "farhand_video_age_seconds", camera="front") is None
+
+
+def test_at_the_end_the_pictures_of_all_cameras_are_told_with_the_oldest_of_the_live_ones() -> None:
+    tally = VideoTally(["front", "side"])
+    assert tally.sentences() == {}
+    live = with_(VIDEO, camera="side", status=CameraStatus.LIVE, data=b"12345", capture_ns=HEARD_NS)
+    for age_ms, frame in ((95, live), (20, with_(live, camera="front")), (700, with_(live, status=CameraStatus.DARK))):
+        tally.note(frame, HEARD_NS + age_ms * 1_000_000)
+    assert tally.sentences() == {"pictures": "2 live, the oldest 95 ms from exposure to sending, 1 dark"}
 
 
 def test_the_local_site_tells_of_its_samples() -> None:

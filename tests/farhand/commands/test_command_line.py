@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -14,12 +15,15 @@ import structlog
 from common.clock import NS_PER_MS
 from farhand.__main__ import main as start
 from farhand.cli import main
+from farhand.deployment.shipped import HERE
 from farhand.teach.writing import as_toml
 from local_site.calibration.rig_file import save_rig
 from local_site.simulation.cameras import control_point_rows, exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.runtime.crash_marker import CrashMarker
 from tests.farhand.teach.test_task_file import TASK
+
+SITES = HERE / "sites"
 
 
 def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -52,7 +56,10 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
         [],
         ["local"],
         ["remote"],
+        ["status"],
         ["engage"],
+        ["disengage"],
+        ["stop"],
         ["lease"],
         ["lease", "show"],
         ["lease", "take"],
@@ -73,6 +80,7 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
         ["calibrate", "latency"],
         ["config", "show"],
         ["config", "init"],
+        ["driver", "list"],
         ["driver", "test"],
         ["maintenance", "reset"],
         ["router"],
@@ -101,6 +109,17 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["engage", "--operator", "No One"], 2, "operator 'No One': use"),
         (["local", "--set", "authority.operator=Anna Meier"], 2, "small letters"),
         (["remote", "--set", "engagement.mode=button"], 2, "button"),
+        (["engage", "--config", str(SITES / "local.toml")], 2, "farhand local --config"),
+        (["local", "--config", str(SITES / "remote.toml")], 2, "is a file of the remote site"),
+        (
+            ["stop", "--remote", "tcp/127.0.0.1:9"],
+            1,
+            "STOP NOT ACKNOWLEDGED: the arm may still move, use the",
+        ),
+        (["stop", "--operator", "No One"], 2, "use the emergency stop. operator 'No One'"),
+        (["stop", "--config", "absent.toml"], 2, "use the emergency stop. cannot read the configuration absent.toml"),
+        (["status", "--remote", "tcp/127.0.0.1:9"], 1, "check that 'farhand remote' runs there"),
+        (["disengage", "--remote", "tcp/127.0.0.1:9"], 1, "nobody answered"),
         (["lease", "take", "--local", "tcp/127.0.0.1:9"], 1, "nobody answered"),
         (["lease", "show", "--remote", "tcp/127.0.0.1:9"], 1, "is the remote site of cell cell running?"),
         (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
@@ -133,6 +152,19 @@ def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: st
     done = here(*arguments)
     assert done.returncode == code, done.stderr
     assert words in " ".join(done.stderr.split())
+
+
+def test_the_version_is_printed_with_the_name(here) -> None:
+    done = here("--version")
+    assert (done.returncode, done.stdout) == (0, f"farhand {version('farhand')}\n")
+
+
+def test_the_drivers_are_listed_with_where_they_come_from(here) -> None:
+    done = here("driver", "list")
+    assert done.returncode == 0
+    own = {line.partition(" ")[0]: line for line in done.stdout.splitlines()}
+    assert own.keys() >= {"c500c", "kinematic", "simulated"}
+    assert own["kinematic"].startswith("kinematic (ships with farhand ")
 
 
 def test_one_certificate_has_one_key(here) -> None:

@@ -23,6 +23,7 @@ def state(engagement=None, word="engaged", code="following", ready="ok", age_lim
         engagement=engagement,
         age_limit_ms=age_limit_ms,
         speed_scale=100.0 / age_limit_ms,
+        timing=SimpleNamespace(late_p99_us=0.0, missed=0, ticks=0),
         hand_link=links.get("hand_link"),
         video_link=links.get("video_link"),
         readiness=SimpleNamespace(code=ready, reason="the link takes 310 ms"),

@@ -10,11 +10,13 @@ import pytest
 
 from common.cameras.camera import Frame
 from common.clock import FakeClock
+from common.config import load_config
 from common.errors import CameraError, ConfigError, InterruptionError
 from farhand.calibration.cameras import CameraSetup, configured_cameras
 from farhand.calibration.latency.page import PatternPage, page_text
 from farhand.calibration.latency.pattern import pattern_of, sequence
 from farhand.calibration.latency.run import describe, measure, open_for_latency, watch_screen
+from local_site.config import LocalConfig
 from tests.farhand.calibration.latency.shown_screen import REFRESH_MS, seen, shown
 
 PATTERN = pattern_of(shown())
@@ -114,7 +116,7 @@ def test_the_setup_comes_from_a_local_sites_file(tmp_path):
     assert configured_cameras(None, ["left"]) == CameraSetup()
     file = tmp_path / "local.toml"
     file.write_text('[operator]\nleft = 0\nright = 1\nrig = "rig.json"\nfps = 60.0\n[operator.cameras]\ngain = 3\n')
-    setup = configured_cameras(file, ["left", "right"])
+    setup = configured_cameras(load_config(LocalConfig, file), ["left", "right"])
     assert setup.fps == 60.0
     assert setup.settings["right"].gain == 3
 

@@ -1,0 +1,151 @@
+"""Watches a cell over its links, and shows its status until asked to stop, or once."""
+
+import threading
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from importlib.metadata import version
+from typing import TypeVar
+
+from rich.console import Console
+from rich.live import Live
+
+from common.clock import NS_PER_MS
+from common.errors import InterruptionError, TransportError
+from common.link.channels import CAMERA, DESCRIBE, STATE, ChannelSession
+from common.link.pubsub import Latest
+from common.link.remote_clock import RemoteClock
+from common.link.transport import Link, open_link
+from common.messages.base import Message
+from common.messages.requests import DescribeQuestion
+from common.process.service import StopFlag
+from farhand.authority.asking import link_to
+from farhand.status.observed import OVER_NS, Observed
+from farhand.status.screen import as_lines, screen
+from farhand.status.words import rows_of
+from farhand.terminal import say
+from local_site.console.config import ConsoleConfig
+
+M = TypeVar("M", bound=Message)
+
+PATIENCE_S = 5.0
+REFRESH_S = 0.25
+JOIN_S = 1.0
+NARROW = "not counted since the link was narrow: counting takes as much of it as a page"
+
+
+class Watch:
+    """Keeps what is received of a cell, a thread for each channel, until the stack closes its links."""
+
+    def __init__(self, config: ConsoleConfig, stack: ExitStack) -> None:
+        self._config, self._stack = config, stack
+        self._threads: list[threading.Thread] = []
+        stack.callback(self._join)  # once the links are closed
+        self._control = control = stack.enter_context(link_to(config.cell, config.links.control, security=config.links))
+        self._clock = RemoteClock(control, config.cell)
+        self._video: Link | None = None
+        self._counts = False
+        self.seen = Observed(config.links.control, config.cell)
+        self._listen(control.latest(STATE, config.cell), self.seen.take_state)
+
+    def measure(self, *, pictures: bool) -> None:
+        """One round trip; then what is not known yet of the cell, and its pictures, unless its link is narrow."""
+        seen, trip = self.seen, self._clock.measure()
+        seen.round_trip_ms = None if trip is None else trip.duration_ns / NS_PER_MS
+        if trip is None:
+            seen.description = None  # another start of the site may be another release
+        elif seen.description is None:
+            seen.description = self._control.ask(DESCRIBE, self._config.cell, DescribeQuestion())
+        if seen.state is not None and seen.state.video_link is not None:
+            self._leave_pictures(NARROW)
+        elif not pictures:
+            self._leave_pictures("not counted, as asked")
+        elif not self._counts and seen.description is not None:
+            self._counts = True
+            self._count_pictures([camera.name for camera in seen.description.cameras])
+
+    def _count_pictures(self, names: list[str]) -> None:
+        links, only_video = self._config.links, [ChannelSession.VIDEO]
+        try:
+            video = open_link(connect=(links.video,), security=links, sessions=only_video)
+        except TransportError as error:
+            self.seen.pictures = f"not counted: {error}"
+            return
+        self._video = self._stack.enter_context(video)
+        self.seen.expect(names)
+        for name, camera in self.seen.cameras.items():
+            self._listen(video.latest(CAMERA, self._config.cell, name), camera.take)
+
+    def _leave_pictures(self, why: str) -> None:
+        if self._video is not None:
+            self._video.close()
+        self._counts = True
+        self.seen.expect(())
+        self.seen.pictures = why
+
+    def _join(self) -> None:
+        """A thread that wakes while Python ends would abort the process."""
+        for thread in self._threads:
+            thread.join(JOIN_S)
+
+    def _listen(self, latest: Latest[M], take: Callable[[M, int], None]) -> None:
+        thread = threading.Thread(target=latest.feed, args=(take,), daemon=True)
+        thread.start()
+        self._threads.append(thread)
+
+
+def show_status(config: ConsoleConfig, should_stop: StopFlag, console: Console, *, once: bool, pictures: bool) -> None:
+    """Show the status until asked to stop; `once`, or where the console is no terminal, print it once.
+
+    TransportError, which says what to check, when no site has answered in five seconds.
+    """
+    with ExitStack() as stack:
+        watch = Watch(config, stack)
+        _await_state(watch, should_stop, pictures=pictures)
+        if once or not console.is_terminal:
+            _show_once(watch, should_stop, console, pictures=pictures)
+        else:
+            _show_live(watch, should_stop, console, pictures=pictures)
+
+
+def _await_state(watch: Watch, should_stop: StopFlag, *, pictures: bool) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while watch.seen.state is None:
+        if should_stop():
+            raise InterruptionError("interrupted")
+        if time.monotonic() > deadline:
+            seen = watch.seen
+            raise TransportError(
+                f"no site of cell {seen.cell} answers at {seen.endpoint}: check that 'farhand remote' runs there, and "
+                "that --cell and --remote, or links.control of --config, name it; 'farhand doctor --config FILE' looks "
+                "at the rest"
+            )
+        watch.measure(pictures=pictures)
+        should_stop.wait(REFRESH_S)
+
+
+def _show_once(watch: Watch, should_stop: StopFlag, console: Console, *, pictures: bool) -> None:
+    """After as long as rates are measured over."""
+    deadline_ns = time.monotonic_ns() + OVER_NS
+    while time.monotonic_ns() < deadline_ns and not should_stop():
+        watch.measure(pictures=pictures)
+        should_stop.wait(REFRESH_S)
+    state = watch.seen.state
+    if state is None:
+        return
+    rows = rows_of(watch.seen, state, time.monotonic_ns(), version("farhand"))
+    if console.is_terminal:
+        console.print(screen(rows, f"cell {watch.seen.cell}"))
+        return
+    for line in as_lines(rows):
+        say(line)
+
+
+def _show_live(watch: Watch, should_stop: StopFlag, console: Console, *, pictures: bool) -> None:
+    software, title = version("farhand"), f"cell {watch.seen.cell}, live; Ctrl-C ends this"
+    with Live(console=console, auto_refresh=False) as live:
+        while not should_stop():
+            watch.measure(pictures=pictures)
+            if (state := watch.seen.state) is not None:
+                live.update(screen(rows_of(watch.seen, state, time.monotonic_ns(), software), title), refresh=True)
+            should_stop.wait(REFRESH_S)

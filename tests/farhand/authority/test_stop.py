@@ -1,0 +1,95 @@
+"""`farhand stop` with real certificates: whoever may stop is acknowledged, everybody else is told what to use."""
+
+import re
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from common.clock import NS_PER_MS
+from common.errors import ConfigError, InterruptionError, TransportError
+from common.messages.requests import Reply
+from farhand.authority import engage
+from farhand.authority.engage import request_disengage, request_stop
+from farhand.certificates.folder import CertificateOrder, create
+from tests.common.link.secured_cell import ANNA, BEN, CELL, OPERATORS, Cell, free_port, running, secured
+
+ACKNOWLEDGED = r"STOP acknowledged at \d\d:\d\d:\d\d UTC, after \d+ ms: "
+NOT = "STOP NOT ACKNOWLEDGED: the arm may still move, use the emergency stop. "
+
+
+@pytest.fixture(scope="module")
+def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("pki")
+    create(folder, CertificateOrder(CELL, (), 30, (*OPERATORS, "carl")), datetime.now(UTC))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def cell(pki: Path) -> Iterator[Cell]:
+    with running(secured(pki, "remote")) as cell:
+        yield cell
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("common.link.request_client.PATIENCE_NS", 300 * NS_PER_MS)
+
+
+@pytest.mark.parametrize(("who", "operator", "key"), [("operator.anna", ANNA, ANNA), ("maintenance", BEN, "")])
+def test_operators_and_maintenance_stop_each_on_their_own_key(
+    pki: Path, cell: Cell, who: str, operator: str, key: str
+) -> None:
+    before = cell.heard[key]
+    words = request_stop(CELL, cell.endpoint, operator, secured(pki, who))
+    assert re.match(ACKNOWLEDGED, words)
+    assert cell.heard[key] > before
+
+
+@pytest.mark.usefixtures("impatient")
+@pytest.mark.parametrize(
+    ("who", "operator", "why"),
+    [
+        ("operator.anna", BEN, "that key is another operator's"),
+        ("operator.carl", "carl", 'links.operators there, or the router\'s, leaves out "carl"'),
+    ],
+)
+def test_who_may_not_stop_is_told_why_and_what_to_use(pki: Path, cell: Cell, who: str, operator: str, why: str) -> None:
+    with pytest.raises(TransportError) as refused:
+        request_stop(CELL, cell.endpoint, operator, secured(pki, who))
+    assert str(refused.value).startswith(NOT)
+    assert why in str(refused.value)
+
+
+@pytest.mark.usefixtures("impatient")
+def test_without_an_answer_a_stop_is_asked_again_until_the_time_is_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("common.link.request_client.PATIENCE_NS", 1000 * NS_PER_MS)
+    asked = []
+    monkeypatch.setattr("common.link.transport.Link.ask", lambda *given, **_: asked.append(given[3]))
+    with pytest.raises(TransportError, match=re.escape(NOT) + "nobody answered"):
+        request_stop(CELL, f"tcp/127.0.0.1:{free_port()}", ANNA)
+    assert len(asked) >= 3
+
+
+def test_a_stop_that_cannot_be_asked_is_a_mistake_that_names_the_emergency_stop_too() -> None:
+    with pytest.raises(ConfigError, match=re.escape(NOT) + "operator 'No One'"):
+        request_stop(CELL, "tcp/127.0.0.1:9", "No One")
+
+
+def test_ctrl_c_before_an_answer_is_no_acknowledgement(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(engage, "ask_engagement", interrupted)
+    with pytest.raises(InterruptionError, match=re.escape(NOT)):
+        request_stop(CELL, f"tcp/127.0.0.1:{free_port()}", ANNA)
+
+
+@pytest.mark.parametrize("ask", [request_stop, request_disengage])
+def test_a_reply_that_refuses_is_no_success(ask, monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = Reply(id=0, done=False, code="not_holder", reason="ben holds the lease")
+    monkeypatch.setattr(engage, "ask_engagement", lambda *_, **__: refused)
+    with pytest.raises(TransportError, match="not_holder") as told:
+        ask(CELL, f"tcp/127.0.0.1:{free_port()}", ANNA)
+    assert str(told.value).startswith(NOT if ask is request_stop else "not disengaged (")
