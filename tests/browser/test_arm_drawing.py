@@ -71,6 +71,13 @@ def test_what_is_farther_is_painted_first_except_where_a_box_says_otherwise(told
     assert painted == [1.3, "box", 0.9, -0.3]
 
 
+def test_what_is_inside_of_others_is_painted_before_them_however_near_it_is(told: Told) -> None:
+    sight = {"position": [0.5, -3.0, 1.5], "toward": [0.0, -1.0, 0.0]}
+    near_by = capsule((0.5, -1.0, 0.2)) | {"inner": True}
+    order = computed(told, "depth_order", "m.ordered(v[0], [], v[1])", [capsule((0.5, 1.0, 0.2)), near_by], sight)
+    assert [item["capsule"]["start"][1] for item in order] == [-1.0, 1.0]
+
+
 def test_items_that_each_have_to_precede_another_are_all_painted_once(told: Told) -> None:
     circle = "m.paintOrder([1, 3, 2], (a, b) => (a + 1) % 3 === b)"
     assert computed(told, "depth_order", circle) == [1, 2, 0]
@@ -142,7 +149,7 @@ def test_capsules_are_drawn_where_the_links_are(told: Told) -> None:
 def test_the_fingers_are_as_far_apart_as_measured(told: Told, opening: float) -> None:
     call = "m.gripperSolids(v[0], (await import('/static/kinematics.js')).frames(v[0], v[1]), { opening: v[2] })"
     solids = computed(told, "arm_solids", call, CELL, scene.CONFIG.robot.start.tolist(), opening)
-    one, other = (solid for solid in solids if solid["finger"])
+    one, other = (solid for solid in solids if solid.get("finger"))
     apart = np.linalg.norm(np.subtract(one["end"], other["end"])) - one["radius"] - other["radius"]
     assert apart == pytest.approx(opening, abs=1e-6)
 
@@ -253,3 +260,11 @@ def test_a_cell_that_sends_no_capsules_is_drawn_as_lines(small: Told) -> None:
     small.until("lines", lambda: (drawn(small)[:, 3] > 200).sum() < 0.7 * solid)
     small.shot("arm of lines")
     assert close_to(drawn(small), "#76bbff") > 150
+
+
+def test_a_state_of_another_arm_than_the_one_described_is_not_drawn(small: Told) -> None:
+    small.state = engaged(near(4, 10.0))
+    small.until("the arm", lambda: close_to(drawn(small), "#f2bd4b") > 80)
+    small.give(Hub.described, msgspec.structs.replace(CELL, joints=CELL.joints[:5]))
+    small.until("no arm", lambda: close_to(drawn(small), "#f2bd4b") == 0)
+    assert (drawn(small)[:, 3] > 0).any()

@@ -1,5 +1,5 @@
 // The drawing of an arm in its cell, from the back to the front: solids where the cell says which, else lines.
-import { gripperSolids, placedCapsules } from "./arm_solids.js";
+import { bones, gripperSolids, placedCapsules } from "./arm_solids.js";
 import { drawCapsule } from "./capsule_shading.js";
 import { ordered } from "./depth_order.js";
 import { drawFixture, seenFaces } from "./fixtures.js";
@@ -8,7 +8,7 @@ import { frames, fromPose, origin } from "./kinematics.js";
 import { drawLimit } from "./limit_arcs.js";
 import { Pen } from "./pen.js";
 import { PostureOutline } from "./posture_outline.js";
-import { drawPlumb, drawShadows } from "./shadows.js";
+import { drawPlumb, drawShadows, topBelow } from "./shadows.js";
 
 const AXIS_M = 0.1;
 const EDGES = [[0, 1], [0, 2], [0, 4], [1, 3], [1, 5], [2, 3], [2, 6], [3, 7], [4, 5], [4, 6], [5, 7], [6, 7]];
@@ -28,11 +28,15 @@ export class ArmDrawing {
     context.globalAlpha = 1;
     const found = robot === null ? null : frames(cell, robot.q);
     const isSolid = cell.shapes.capsules.length > 0;
-    drawSolids(pen, sight, cell.shapes.fixtures, robot !== null && isSolid ? armSolids(cell, robot, found) : [], robot, tone);
+    const solids = robot !== null && isSolid ? armSolids(cell, robot, found) : [];
+    const tool = robot === null ? null : origin(found.at(-1));
+    for (const { capsule, box } of ordered(solids, cell.shapes.fixtures, sight)) {
+      if (box) drawBelow(pen, sight, box, cell.shapes.fixtures, solids, tool, tone);
+      else drawPart(context, sight, capsule, robot, tone);
+    }
     if (robot === null) return;
     if (isSolid) this.#outline.draw(context, sight, placedCapsules(cell, frames(cell, robot.q_commanded)), tone.commanded);
     else drawLines(pen, cell, robot, found, tone);
-    if (isSolid) drawPlumb(pen, origin(found.at(-1)), cell.shapes.fixtures, tone.text);
     for (const limit of nearLimits(cell, robot.q).reverse()) {
       drawLimit(pen, cell, limit, found, limit.at ? tone.fault : tone.holding, tone.panel);
     }
@@ -40,26 +44,26 @@ export class ArmDrawing {
   }
 }
 
-/** Capsules of the arm, and its gripper where that is measured: it takes the place of what guards it. */
+/** The capsules of the arm, and its gripper where that is measured: it takes the place of what guards it. */
 function armSolids(cell, robot, found) {
-  const capsules = placedCapsules(cell, found);
-  if (robot.gripper === null) return capsules;
-  return [...capsules.filter(({ tool }) => !tool), ...gripperSolids(cell, found, robot.gripper)];
+  const arm = [...bones(found), ...placedCapsules(cell, found)];
+  if (robot.gripper === null) return arm;
+  return [...arm.filter(({ tool }) => !tool), ...gripperSolids(cell, found, robot.gripper)];
 }
 
-function drawSolids(pen, sight, fixtures, solids, robot, tone) {
-  const { context } = pen;
-  for (const { capsule, box } of ordered(solids, fixtures, sight)) {
-    if (box) {
-      drawFixture(pen, box, sight.position, tone.box);
-      const top = seenFaces(box, sight.position).find((face) => face.top);
-      if (top) drawShadows(pen, solids, top.corners);
-    } else {
-      context.globalAlpha = robot.silent ? FADED : 1;
-      drawCapsule(context, sight, capsule, capsule.finger ? tone.text : tone.measured, tone.panel);
-    }
-    context.globalAlpha = 1;
-  }
+/** A fixture, and on its top what shows how high the arm is above it. */
+function drawBelow(pen, sight, box, fixtures, solids, tool, tone) {
+  drawFixture(pen, box, sight.position, tone.box);
+  const top = seenFaces(box, sight.position).find((face) => face.top);
+  if (!top) return;
+  drawShadows(pen, solids, top.corners);
+  if (tool !== null && topBelow(tool, fixtures) === box.upper[2]) drawPlumb(pen, tool, box.upper[2], tone.text);
+}
+
+function drawPart(context, sight, capsule, robot, tone) {
+  context.globalAlpha = robot.silent ? FADED : 1;
+  drawCapsule(context, sight, capsule, capsule.finger ? tone.text : tone.measured, tone.panel);
+  context.globalAlpha = 1;
 }
 
 function drawLines(pen, cell, robot, found, tone) {

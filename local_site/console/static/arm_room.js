@@ -6,7 +6,7 @@ import { Orbit } from "./orbit.js";
 import { sized, tones } from "./surface.js";
 import { put } from "./words.js";
 
-const TONES = ["measured", "commanded", "target", "box", "edge", "encoder", "holding", "fault", "panel", "text"];
+const TONES = ["measured", "commanded", "target", "box", "edge", "holding", "fault", "panel", "text"];
 
 export class ArmRoom {
   #canvas = document.getElementById("arm");
@@ -31,8 +31,13 @@ export class ArmRoom {
 
   show(robot) {
     this.#robot = robot;
-    if (this.#cell !== null && robot !== null) this.#describe();
+    if (this.#shown !== null) this.#describe(this.#shown);
     this.#ask();
+  }
+
+  /** The robot, unless its state is still of another arm than the one described last. */
+  get #shown() {
+    return this.#robot?.q.length === this.#cell?.joints.length ? this.#robot : null;
   }
 
   #ask() {
@@ -42,8 +47,7 @@ export class ArmRoom {
     });
   }
 
-  #describe() {
-    const robot = this.#robot;
+  #describe(robot) {
     const tool = origin(frames(this.#cell, robot.q).at(-1));
     const words = [limitWords(this.#cell, robot.q), `tool at ${tool.map((v) => (v * 1000).toFixed(0)).join(", ")} mm`];
     if (robot.target !== null) words.push(`hand's target ${(1000 * distance(robot.target.position, tool)).toFixed(0)} mm away`);
@@ -56,6 +60,6 @@ export class ArmRoom {
     const { width, height } = sized(this.#canvas, this.#context);
     this.#context.clearRect(0, 0, width, height);
     if (this.#cell === null) return;
-    this.#drawing.draw(this.#context, this.#orbit.sight(width, height), this.#cell, this.#robot, tones(...TONES));
+    this.#drawing.draw(this.#context, this.#orbit.sight(width, height), this.#cell, this.#shown, tones(...TONES));
   }
 }

@@ -39,14 +39,19 @@ export function isBoxBehind(one, other, eye) {
   return false;
 }
 
-/** Capsules and boxes together, in the order in which they are painted. */
+/** Capsules and boxes together, in the order in which they are painted; `inner` capsules before all others. */
 export function ordered(capsules, boxes, { position, toward }) {
   const away = (point) => -dot(toward, minus(point, position));
   const items = [...capsules.map((capsule) => ({ capsule })), ...boxes.map((box) => ({ box }))];
-  const distances = items.map(({ capsule, box }) => away(capsule ? middle(capsule.start, capsule.end) : middle(box.lower, box.upper)));
+  const distances = items.map(({ capsule, box }) =>
+    capsule ? away(middle(capsule.start, capsule.end)) - capsule.radius : away(middle(box.lower, box.upper)),
+  );
   const before = (a, b) => {
     const [one, other] = [items[a], items[b]];
-    if (one.capsule && other.capsule) return distances[a] > distances[b];
+    if (one.capsule && other.capsule) {
+      const [inner, outer] = [one.capsule.inner === true, other.capsule.inner === true];
+      return inner === outer ? distances[a] > distances[b] : inner;
+    }
     if (one.capsule) return isBehindBox(one.capsule, other.box, position) === true;
     if (other.capsule) return isBehindBox(other.capsule, one.box, position) === false;
     return isBoxBehind(one.box, other.box, position);

@@ -26,10 +26,10 @@ function corners(lower, upper, axis, high) {
 export function drawFixture(pen, { lower, upper }, eye, tone) {
   const shown = { lower: [lower[0], lower[1], Math.max(lower[2], upper[2] - TALLEST_M)], upper };
   for (const { top, axis, corners: points } of seenFaces(shown, eye)) {
-    if (axis === 2) {
+    if (top) {
       pen.fill(points, tone, TOP);
-      pen.line([...points, points[0]], tone, top ? EDGE_PX : 0.5);
-    } else drawWall(pen, points, tone, WALLS[axis]);
+      pen.line([...points, points[0]], tone, EDGE_PX);
+    } else if (axis !== 2) drawWall(pen, points, tone, WALLS[axis]);
   }
 }
 

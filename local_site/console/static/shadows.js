@@ -38,10 +38,8 @@ export function topBelow([x, y, z], boxes) {
   return tops.length === 0 ? null : Math.max(...tops);
 }
 
-/** Draw a line straight down from a point to what is below it. */
-export function drawPlumb(pen, point, boxes, tone) {
-  const z = topBelow(point, boxes);
-  if (z === null) return;
+/** Draw a line straight down from a point to the height `z`. */
+export function drawPlumb(pen, point, z, tone) {
   const foot = [point[0], point[1], z];
   pen.context.globalAlpha = 0.7;
   pen.line([point, foot], tone, 1);
