@@ -9,6 +9,7 @@ from common.messages.base import Count, Message, Name, Text, Vector3
 from common.messages.hand import HandPoint, Locks
 from common.messages.recording import EpisodeOutcome
 from common.messages.robot import Asker, Pose
+from common.messages.shapes import ShapesDescription
 
 ACTIVATED = "activated"  # the code when an engagement first had to activate the robot: ask once more
 WAITING = "waiting"  # the code where the local site keeps asking for the lease that another holds
@@ -219,7 +220,7 @@ class MappingDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True
 
 
 class Description(Message, frozen=True):
-    """The cell: its software, its robot with joints and limits, its cameras, and its rates in Hz.
+    """The cell: its software, its robot with joints, limits and shapes, its cameras, and its rates in Hz.
 
     `held`: the arm follows only while the operator holds key or pedal (hold-to-run). `last_T_tool` is the tool centre
     point in the last joint's frame; the workspace is a box in the base's frame, m.
@@ -237,3 +238,4 @@ class Description(Message, frozen=True):
     workspace_min: Vector3
     workspace_max: Vector3
     mapping: MappingDescription
+    shapes: ShapesDescription

@@ -6,7 +6,7 @@ from importlib.metadata import version
 import msgspec
 
 from common.clock import Clock
-from common.errors import MessageError
+from common.errors import MessageError, ModelError
 from common.link.channels import CLOCK, DESCRIBE, LEASE, TROUBLE
 from common.link.transport import Link
 from common.messages.hand import Locks
@@ -23,12 +23,15 @@ from common.messages.requests import (
     TroubleNoted,
 )
 from common.messages.robot import Asker, Pose
+from common.messages.shapes import GripperDescription, ShapesDescription
 from common.process.link_log import TroubleLog
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
 from remote_site.runtime.probe_server import ProbeServer
+from remote_site.safety.collision_geometry import read_shapes
+from remote_site.safety.described_shapes import describe_capsules, describe_fixtures
 from remote_site.session.engagement_intent import INPUTS
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.teleop.config import MappingConfig
@@ -155,6 +158,7 @@ def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> Desc
         workspace_min=config.safety.workspace_min_m,
         workspace_max=config.safety.workspace_max_m,
         mapping=_mapping(config.mapping),
+        shapes=_shapes(config, model),
     )
 
 
@@ -165,4 +169,17 @@ def _mapping(config: MappingConfig) -> MappingDescription:
         scale_range=config.scale_range,
         base_R_operator=config.base_R_operator,
         locks=Locks(**msgspec.structs.asdict(config.locks)),
+    )
+
+
+def _shapes(config: RemoteConfig, model: ArmModel) -> ShapesDescription:
+    robot, collision, grip = config.robot, config.safety.collision, config.grip
+    try:
+        capsules = describe_capsules(model, read_shapes(robot.urdf, model, robot.capsules, collision))
+    except ModelError:  # a recording keeps the arm's URDF, but not the meshes that it names
+        capsules = ()
+    return ShapesDescription(
+        capsules=capsules,
+        fixtures=describe_fixtures(collision.fixtures),
+        gripper=GripperDescription(grip.closed_mm / 1000, grip.open_mm / 1000),
     )

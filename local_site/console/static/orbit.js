@@ -1,13 +1,22 @@
-// The camera of the 3D view: turned by mouse, touch or arrow keys; projects points to the canvas.
+// The eye of the 3D view: turned by mouse, touch or arrow keys; where it sees a point on the canvas.
+import { add, cross, dot, minus, times } from "./vectors.js";
+
 const STEP = 0.12;
 const ZOOM = 1.1;
 const ROOM = 1.55; // distance of the eye relative to the size of the scene
+const [YAW, PITCH] = [-0.9, 0.35];
+const MARGIN_PX = 5;
+const INNER = 0.07; // of the box on each side may be out of sight: a tool is seldom in a corner
+const BASE = [[-0.1, -0.1, 0], [0.1, -0.1, 0]]; // m: where an arm stands
+const NEAREST_M = 0.05;
 
 export class Orbit {
-  #yaw = -0.9;
-  #pitch = 0.35;
+  #yaw = YAW;
+  #pitch = PITCH;
   #distance = 2.3;
+  #home = 2.3;
   #center = [0.25, 0, 0.45];
+  #framed = [];
   #known = false;
 
   constructor(canvas, changed) {
@@ -31,7 +40,10 @@ export class Orbit {
     this.#known = true;
     const [from, to] = [low.map((v) => Math.min(v, 0)), high.map((v) => Math.max(v, 0))];
     this.#center = from.map((v, axis) => (v + to[axis]) / 2);
-    this.#distance = ROOM * Math.hypot(...from.map((v, axis) => to[axis] - v));
+    this.#home = this.#distance = ROOM * Math.hypot(...from.map((v, axis) => to[axis] - v));
+    const [near, far] = [INNER, 1 - INNER].map((share) => low.map((v, axis) => v + share * (high[axis] - v)));
+    const corners = Array.from({ length: 8 }, (_, k) => near.map((v, axis) => ((k >> axis) & 1 ? far[axis] : v)));
+    this.#framed = [...corners, ...BASE];
   }
 
   #key({ key }) {
@@ -56,17 +68,38 @@ export class Orbit {
     this.#distance = Math.min(8, Math.max(0.8, this.#distance * factor));
   }
 
-  /** A function from a point in the base's frame (m) to [x, y] on a canvas of this size, null behind the eye. */
-  projection(width, height) {
-    const [sy, cy, sp, cp] = [Math.sin(this.#yaw), Math.cos(this.#yaw), Math.sin(this.#pitch), Math.cos(this.#pitch)];
-    const scale = 1.7 * Math.min(height, width);
-    return ([x, y, z]) => {
-      const [dx, dy, dz] = [x - this.#center[0], y - this.#center[1], z - this.#center[2]];
-      const across = -sy * dx + cy * dy;
-      const out = cy * dx + sy * dy;
-      const depth = this.#distance - (cp * out + sp * dz);
-      if (depth < 0.05) return null;
-      return [width / 2 + (scale * across) / depth, height / 2 - (scale * (cp * dz - sp * out)) / depth];
-    };
+  /** How a canvas of this size is seen: `project`, its shorter side, and the eye's place and axes in the base's frame. */
+  sight(width, height) {
+    const eye = eyeAt(this.#yaw, this.#pitch, this.#distance, this.#center);
+    const frame = fitted(eyeAt(YAW, PITCH, this.#home, this.#center), this.#framed, width, height);
+    return { ...eye, size: Math.min(width, height), project: (point) => projected(eye, frame, point) };
   }
+}
+
+/** An eye that looks at a centre from a distance: its position (m), and unit vectors right, up, and toward it. */
+export function eyeAt(yaw, pitch, distance, center) {
+  const toward = [Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)];
+  const right = [-Math.sin(yaw), Math.cos(yaw), 0];
+  return { position: add(center, times(toward, distance)), toward, right, up: cross(toward, right) };
+}
+
+/** The scale (pixels of a metre at a metre's distance) and the canvas's point straight ahead that just show all points. */
+export function fitted(eye, points, width, height) {
+  if (points.length === 0) return { scale: 1.7 * Math.min(width, height), x: width / 2, y: height / 2 };
+  const seen = points.map((point) => inEyesFrame(eye, point)).map(([across, high, depth]) => [across / depth, -high / depth]);
+  const [[left, right], [top, bottom]] = [0, 1].map((k) => [Math.min(...seen.map((p) => p[k])), Math.max(...seen.map((p) => p[k]))]);
+  const scale = Math.max(Math.min((width - 2 * MARGIN_PX) / (right - left), (height - 2 * MARGIN_PX) / (bottom - top)), 1);
+  return { scale, x: width / 2 - (scale * (left + right)) / 2, y: height / 2 - (scale * (top + bottom)) / 2 };
+}
+
+/** [x, y, pixels of a metre there] of a point in the base's frame (m); null behind the eye. */
+function projected(eye, { scale, x, y }, point) {
+  const [across, high, depth] = inEyesFrame(eye, point);
+  if (depth < NEAREST_M) return null;
+  return [x + (scale * across) / depth, y - (scale * high) / depth, scale / depth];
+}
+
+function inEyesFrame({ position, right, up, toward }, point) {
+  const away = minus(point, position);
+  return [dot(away, right), dot(away, up), -dot(away, toward)];
 }

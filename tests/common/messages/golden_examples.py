@@ -69,6 +69,7 @@ from common.messages.robot import (
     Traced,
     VideoLink,
 )
+from common.messages.shapes import BoxDescription, CapsuleDescription, GripperDescription, ShapesDescription
 from common.messages.video import CameraStatus, Codec, KeyFrameRequest, VideoFrame, ViewCame, ViewShown, ViewsShown
 
 GOLDEN = Path(__file__).parents[2] / "golden"
@@ -240,6 +241,11 @@ DESCRIPTION = Description(
         scale_range=(0.0498046875, 2.0),
         base_R_operator=((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
         locks=Locks(yaw=True),
+    ),
+    shapes=ShapesDescription(
+        capsules=(CapsuleDescription(1, (0.0, 0.0, 0.0), (0.0, 0.0, 0.25), 0.05),),
+        fixtures=(BoxDescription("table", (0.5, -0.5, -0.25), (1.0, 0.5, 0.125)),),
+        gripper=GripperDescription(0.003, 0.045),
     ),
 )
 RECORD = RecordRequest(
