@@ -36,6 +36,11 @@ class OpenedPage:
     def close(self) -> None:
         self.context.close()
 
+    def wear(self, theme: str) -> None:
+        """Switch to the dark or the light page."""
+        if self.page.get_attribute("html", "data-theme") != theme:
+            self.page.click("#theme")
+
     def words(self, selector: str) -> str:
         """The text of an element."""
         return str(self.page.text_content(selector) or "")

@@ -15,7 +15,7 @@ SCREENS = {"dark": ("dark", 1280, 720), "light": ("light", 1280, 720), "tablet":
 def test_words_stand_out_and_everything_has_a_name_and_room_for_a_finger(told: Told, screen: str) -> None:
     scheme, width, height = SCREENS[screen]
     page = told.page.page
-    page.emulate_media(color_scheme=scheme)
+    told.page.wear(scheme)
     page.set_viewport_size({"width": width, "height": height})
     told.state = partial(told.state, traced=told.traced(4710))
     told.until("the trace", lambda: "encoder" in told.page.words("#trace"))
@@ -45,6 +45,6 @@ def test_every_control_is_reached_by_tab_with_the_stop_first(told: Told) -> None
             break
         reached.append(focused)
     cameras = ["front_high", "front_low", "side", "gripper"]
-    wanted = ["stop", *cameras, "arm", "ghost", "seat-button", "hold", "engage", "disengage", "reset", "clutch"]
-    wanted += ["scale", "rotation", "x", "y", "z", "roll", "pitch", "yaw", "events"]
+    wanted = ["stop", "tones", "theme", *cameras, "hold", "disengage", "clutch", "seat-button", "arm"]
+    wanted += ["scale", "rotation", "x", "y", "z", "roll", "pitch", "yaw", "marks", "ghost"]
     assert [name for name in reached if name in wanted] == wanted

@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from bench.page import scene
 from common.messages.robot import GripperCommand, GripperState, GripperStatus, SessionState
 from local_site.console.hub import Hub
-from tests.browser import scene
 from tests.browser.told import Told
 
 CELL = scene.cell()
@@ -209,7 +209,7 @@ def close_to(pixels: np.ndarray, hexed: str) -> int:
 @pytest.fixture
 def small(told: Told):
     """A small canvas on a dark page, put back afterwards."""
-    told.page.page.emulate_media(color_scheme="dark")
+    told.page.wear("dark")
     told.page.page.evaluate(SIZE, [300, 220])
     yield told
     told.page.page.evaluate("() => document.getElementById('arm').removeAttribute('style')")

@@ -105,7 +105,7 @@ def quotes(page: OpenedPage) -> list[str]:
 
 @pytest.mark.parametrize("scheme", ["dark", "light"])
 def test_its_words_stand_out_and_everything_has_a_name(replay: OpenedPage, scheme: str) -> None:
-    replay.page.emulate_media(color_scheme=scheme)
+    replay.wear(scheme)
     found = replay.page.evaluate(CHECK)
     assert found["poor"] == []
     assert found["nameless"] == []

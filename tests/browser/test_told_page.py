@@ -33,7 +33,8 @@ BOX = "the workspace box holds the tool back: move the hand down"
 LOST = "the hand is not tracked: keep forearm and hand in both views"
 BROKEN = "the robot reports a fault: following error of joint_3; reset it once the cause is gone"
 STATES = {
-    "engaged": (SessionState.ENGAGED, "box", BOX, "engaged", "dark"),
+    "engaged": (SessionState.ENGAGED, "ok", "the arm follows the hand", "engaged", "light"),
+    "limited": (SessionState.ENGAGED, "outside_box", BOX, "workspace", "dark"),
     "holding": (SessionState.HOLDING, "lost", LOST, "holding", "light"),
     "disengaged": (SessionState.DISENGAGED, "let_go", "the key was let go", "disengaged", "light"),
     "fault": (SessionState.FAULT, "robot", BROKEN, "fault", "dark"),
@@ -54,7 +55,7 @@ TROUBLES = {
 def test_every_state_is_told_in_words_with_its_reason_and_can_be_read(told: Told, name: str) -> None:
     state, code, reason, word, scheme = STATES[name]
     told.state = partial(scene.state, state, code, reason, readiness=Readiness(True, code, reason, True))
-    told.page.page.emulate_media(color_scheme=scheme)
+    told.page.wear(scheme)
     told.until("the word", lambda: told.page.state() == word and reason in told.page.words("#reason"))
     told.until(
         "the event", lambda: any(reason in event for event in told.page.page.locator("#events li").all_text_contents())
@@ -62,7 +63,7 @@ def test_every_state_is_told_in_words_with_its_reason_and_can_be_read(told: Told
     found = told.page.page.evaluate(CHECK)
     told.shot(f"{name}-{scheme}")
     assert found["poor"] == []
-    assert (told.page.page.get_attribute("#reset", "class") == "wanted") == (name == "fault")
+    assert (told.page.page.get_attribute("#reset", "data-rank") == "next") == (name == "fault")
 
 
 def test_each_camera_in_trouble_is_called_what_it_is_and_why(told: Told) -> None:

@@ -16,6 +16,7 @@ export class ArmRoom {
   #drawing = new ArmDrawing();
   #cell = null;
   #robot = null;
+  #push = { name: null, wanted: null };
   #asked = null;
 
   constructor() {
@@ -37,6 +38,17 @@ export class ArmRoom {
     this.#robot = robot;
     if (this.#shown !== null) this.#describe(this.#shown);
     this.#ask();
+  }
+
+  /** The name of the limit that keeps the arm from following, null while none does. */
+  hinder(name) {
+    this.#push = { ...this.#push, name };
+  }
+
+  /** Where the hand wants the tool (m), null where that is not known. */
+  want(wanted) {
+    this.#push = { ...this.#push, wanted };
+    if (this.#push.name !== null) this.#ask();
   }
 
   /** The robot, unless its state is still of another arm than the one described last. */
@@ -64,6 +76,6 @@ export class ArmRoom {
     const { width, height } = sized(this.#canvas, this.#context);
     this.#context.clearRect(0, 0, width, height);
     if (this.#cell === null) return;
-    this.#drawing.draw(this.#context, this.#orbit.sight(width, height), this.#cell, this.#shown, tones(...TONES));
+    this.#drawing.draw(this.#context, this.#orbit.sight(width, height), this.#cell, this.#shown, this.#push, tones(...TONES));
   }
 }

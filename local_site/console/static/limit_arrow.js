@@ -12,8 +12,15 @@ export function pushOf(tool, wanted) {
   return push < LEAST_PUSH_M ? null : tool.map((v, axis) => v + (LONG_M * (wanted[axis] - v)) / push);
 }
 
+/** Draw the push at a place of the base's frame; `project` gives the canvas's pixel of a point, null where it is not seen. */
+export function drawPushAt(context, project, tool, wanted, name) {
+  const at = project(tool);
+  const tip = wanted === null ? null : pushOf(tool, wanted);
+  if (at !== null) drawPush(context, at, tip === null ? null : project(tip), name);
+}
+
 /** Draw it between two pixels, and the name beside its tip; without a tip only the name, at the tool. */
-export function drawLimit(context, at, tip, name) {
+export function drawPush(context, at, tip, name) {
   if (tip !== null) drawArrow(context, at, tip);
   drawName(context, tip ?? at, name);
 }

@@ -83,7 +83,9 @@ const handlers = {
     const condition = bar.show(message);
     events.show(message);
     arm.show(message.robot);
-    views.hinder(condition.name === "limited" ? condition.word : null);
+    const limit = condition.name === "limited" ? condition.word : null;
+    arm.hinder(limit);
+    views.hinder(limit);
     views.haunt(message.robot);
     views.offer(message.robot);
     latency.show(message);
@@ -121,6 +123,7 @@ function operate(situation, condition) {
 
 function showTools(tools) {
   views.markTools(tools);
+  arm.want(tools.wanted);
   delay.age(tools);
 }
 

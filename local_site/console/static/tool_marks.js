@@ -1,6 +1,6 @@
 // The tool over a calibrated camera's picture: a ring where it was measured, a cross where it has been sent.
 import { fromPose, inverse, origin } from "./kinematics.js";
-import { drawLimit, pushOf } from "./limit_arrow.js";
+import { drawPush, pushOf } from "./limit_arrow.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
 import { sized, within } from "./surface.js";
 
@@ -36,7 +36,7 @@ export class ToolMarks {
       if (ring && cross) this.#stroke([[ring.at, cross.at]], TONES.between, 1);
       if (ring) this.#measured(ring);
       if (cross) this.#sent(cross);
-      if (ring && limit) drawLimit(this.#context, ring.at, this.#pushed(measured, wanted, toolThen, width, height), limit);
+      if (ring && limit) drawPush(this.#context, ring.at, this.#pushed(measured, wanted, toolThen, width, height), limit);
     });
     this.#isDrawn = true;
   }
