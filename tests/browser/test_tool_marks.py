@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from bench.page import scene
 from bench.page.bare_console import BareConsole
@@ -35,6 +36,13 @@ DRAWN = """([name, middle, out]) => {
 }"""
 LOOP_AND_SUGGESTION = "() => ['#loop', '#suggestion'].map((where) => document.querySelector(where).textContent)"
 TAKE = "() => { const it = document.querySelector('#suggestion'), said = it.textContent; it.click(); return said; }"
+AMBER = """(name) => {
+  const canvas = document.querySelectorAll(`[data-name=${name}] canvas`)[2];
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  let count = 0;
+  for (let k = 0; k < data.length; k += 4) count += data[k] === 0xf5 && data[k + 1] === 0xb9 && data[k + 2] === 0x35;
+  return count;
+}"""
 ANY = """(name) => {
   const canvas = document.querySelectorAll(`[data-name=${name}] canvas`)[2];
   return canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v > 0);
@@ -162,3 +170,13 @@ def test_the_scale_suggested_for_the_delay_is_taken_by_one_press_and_never_by_it
         told.until("the scale", lambda: len(scales(console)) == 2)
         assert min(scales(console)) == taken
         told.page.close()
+
+
+def test_at_a_limit_an_arrow_with_its_name_shows_where_the_hand_pushes(told: Told, late: LateRemote) -> None:
+    told.until("both symbols", lambda: shows(told, late, "side"))
+    told.state = lambda: replace(late.state(), code="outside_box", reason="the hand asks for 50 mm beyond")
+    told.until("the limit", lambda: told.page.state() == "workspace")
+    told.until("the arrow", lambda: told.page.page.evaluate(AMBER, "side") > 100)
+    told.shot("limit arrow")
+    told.state = late.state
+    told.until("no arrow", lambda: told.page.page.evaluate(AMBER, "side") == 0)

@@ -1,0 +1,152 @@
+"""What the page says at a glance: one colour for what the arm does, one thing to do next, pictures first."""
+
+from functools import partial
+
+import pytest
+from msgspec.structs import replace
+
+from bench.page import scene
+from bench.page.screenshots import STATES, anothers
+from common.messages.robot import Readiness, SessionState
+from tests.browser.told import Told
+
+ENGAGED, HOLDING = SessionState.ENGAGED, SessionState.HOLDING
+FOLLOWS, LOST = "the arm follows the hand", "the hand is lost"
+SHARE = """() => {
+  const views = [...document.querySelectorAll("#cameras .view")].map((view) => view.getBoundingClientRect());
+  const area = views.reduce((sum, box) => sum + box.width * box.height, 0);
+  const bars = views.map((box) => Math.abs(box.width / box.height - 4 / 3));
+  const wide = document.documentElement.scrollWidth;
+  return { share: area / (innerWidth * innerHeight), bars: Math.max(...bars), wide };
+}"""
+SMALLEST = """() => Math.min(...[...document.querySelectorAll("body *")]
+  .filter((e) => e.checkVisibility() && [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim()))
+  .map((e) => parseFloat(getComputedStyle(e).fontSize)))"""
+WORDS_SEEN = """() => {
+  window.seen = [];
+  new MutationObserver(() => window.seen.push(document.getElementById("state-word").textContent))
+    .observe(document.getElementById("state-word"), { childList: true, characterData: true, subtree: true });
+}"""
+
+
+def tone(told: Told) -> str:
+    return str(told.page.page.get_attribute("body", "data-tone"))
+
+
+def listed(told: Told) -> list[str]:
+    """The events on the page."""
+    return list(told.page.page.locator("#events li").all_text_contents())
+
+
+def ranked(told: Told, rank_: str) -> list[str]:
+    return list(
+        told.page.page.eval_on_selector_all(f"#acts > [data-rank={rank_}]", "(found) => found.map((one) => one.id)")
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "expected", "next_"),
+    [
+        ("engaged", "engaged", []),
+        ("limited", "holding", []),
+        ("holding", "holding", []),
+        ("ready", "idle", ["engage"]),
+        ("stopped", "fault", ["reset"]),
+        ("fault", "fault", ["reset"]),
+        ("another operates", "other", ["lease-button"]),
+    ],
+)
+def test_a_state_has_one_colour_and_at_most_one_thing_to_do_next(
+    told: Told, name: str, expected: str, next_: list[str]
+) -> None:
+    told.describe(held=False)
+    told.state = STATES[name]
+    told.until("the colour", lambda: tone(told) == expected and ranked(told, "next") == next_)
+    assert told.page.words("#step-words") != ""
+    told.describe()
+
+
+def test_where_a_key_has_to_be_held_it_is_the_next_thing_once_all_is_ready(told: Told) -> None:
+    told.state = partial(
+        scene.state, SessionState.DISENGAGED, "not_held", "not held", readiness=Readiness(True, "ready", "ready", False)
+    )
+    told.until("the key", lambda: ranked(told, "next") == ["hold"])
+    missing = Readiness(False, "no_hand", "no hand sample has arrived yet", False)
+    told.state = partial(scene.state, SessionState.DISENGAGED, "no_hand", "no hand", readiness=missing)
+    told.until("what is missing", lambda: "no hand sample has arrived" in told.page.words("#step-words"))
+    assert ranked(told, "next") == []
+
+
+def test_while_another_operates_the_page_says_that_the_hand_moves_nothing(told: Told) -> None:
+    told.state = anothers
+    told.until("the word", lambda: told.page.state() == "berta operates")
+    assert "your hand moves nothing" in told.page.words("#reason")
+    assert tone(told) == "other"
+
+
+def test_a_state_that_changes_many_times_a_second_does_not_flicker(told: Told) -> None:
+    told.until("the arm follows", lambda: tone(told) == "engaged")
+    told.page.page.evaluate(WORDS_SEEN)
+    for k in range(40):
+        word, code, reason = (HOLDING, "lost", LOST) if k % 2 else (ENGAGED, "ok", FOLLOWS)
+        told.state = partial(scene.state, word, code, reason)
+        told.tell()
+        told.page.page.wait_for_timeout(60)
+    assert told.page.page.evaluate("() => window.seen") == ["holding"]
+    told.state = partial(scene.state, ENGAGED, "ok", FOLLOWS)
+    told.until("the arm follows again", lambda: tone(told) == "engaged")
+
+
+def test_the_first_cause_stays_in_sight_until_it_is_answered(told: Told) -> None:
+    dead = "the robot's driver has ended; reset it, then engage"
+    told.state = partial(
+        scene.state, SessionState.FAULT, "fault", dead, readiness=Readiness(False, "fault", dead, False)
+    )
+    told.until("the fault", lambda: told.page.state() == "fault")
+    told.page.wait_for("the silence after it", lambda: "has been silent" in told.page.words("#reason"))
+    assert told.page.state() == "fault"
+    assert told.page.words("#reason").startswith("the robot's driver has ended")
+    assert any("fallen silent" in event for event in listed(told))
+    told.state = partial(scene.state, ENGAGED, "ok", FOLLOWS)
+    told.until("the answer", lambda: told.page.state() == "engaged")
+    told.until("the news", lambda: any("answers again" in event for event in listed(told)))
+
+
+@pytest.mark.parametrize(("width", "height"), [(1920, 1080), (1280, 720), (2560, 1440)])
+def test_the_views_take_two_thirds_of_the_screen_and_have_no_bars(told: Told, width: int, height: int) -> None:
+    told.page.page.set_viewport_size({"width": width, "height": height})
+    found = told.page.page.evaluate(SHARE)
+    told.page.page.set_viewport_size({"width": 1280, "height": 720})
+    assert found["share"] >= 0.65
+    assert found["bars"] < 0.02
+    assert found["wide"] <= width
+
+
+@pytest.mark.parametrize("width", [390, 820, 1280, 1920, 2560])
+def test_no_word_is_smaller_than_twelve_pixels_and_nothing_lies_beyond_the_side(told: Told, width: int) -> None:
+    told.page.page.set_viewport_size({"width": width, "height": 900})
+    told.until("a state", lambda: told.page.state() == "engaged")
+    smallest, wide = told.page.page.evaluate(SMALLEST), told.page.page.evaluate(SHARE)["wide"]
+    told.page.page.set_viewport_size({"width": 1280, "height": 720})
+    assert smallest >= 12.0
+    assert wide <= width
+
+
+def test_dark_or_light_and_the_tones_are_remembered(told: Told) -> None:
+    page = told.page.page
+    assert page.get_attribute("html", "data-theme") == "dark"
+    page.click("#theme")
+    page.keyboard.press("m")
+    kept = page.evaluate("() => [localStorage.getItem('farhand-theme'), localStorage.getItem('farhand-tones')]")
+    assert kept == ["light", "off"]
+    assert page.get_attribute("#tones", "aria-pressed") == "false"
+    page.click("#theme")
+    page.keyboard.press("m")
+    assert page.get_attribute("html", "data-theme") == "dark"
+
+
+def test_the_robot_is_named_without_its_files_path(told: Told) -> None:
+    urdf = "/opt/cell/models/long_arm.urdf"
+    told.give(lambda hub, cell: hub.described(cell), replace(scene.cell(), robot=urdf))
+    told.until("its name", lambda: told.page.words("#cell").endswith("long_arm · simulated"))
+    told.describe()

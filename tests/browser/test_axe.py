@@ -1,0 +1,58 @@
+"""axe finds nothing to complain of, in any state, dark or light, at any width."""
+
+from importlib.resources import files
+from typing import Any
+
+import pytest
+
+from bench.page.screenshots import STATES
+from tests.browser.told import Told
+
+AXE = "axe_playwright_python"
+RUN = "async () => (await axe.run()).violations.map((v) => [v.id, v.help, v.nodes.map((n) => n.html.slice(0, 120))])"
+SCREENS = {"dark": (1280, 720), "light": (820, 1180)}
+FOLDS = ("#settings", "#facts", "#latency-room", "#events-room")
+WORDS = {"ready": "disengaged", "limited": "workspace", "another operates": "berta operates"}
+
+
+@pytest.fixture(scope="module")
+def axe() -> str:
+    """The script of axe; skips where it is not installed."""
+    pytest.importorskip(AXE, reason="no axe; pip install -e '.[dev]'")
+    return files(AXE).joinpath("axe.min.js").read_text(encoding="utf-8")
+
+
+def violations(told: Told, script: str) -> list[Any]:
+    page = told.page.page
+    if not page.evaluate("() => 'axe' in window"):
+        page.evaluate(f"() => {{ {script} }}")
+    return list(page.evaluate(RUN))
+
+
+@pytest.mark.parametrize("name", [name for name in STATES if name != "no robot"])
+def test_axe_finds_nothing(told: Told, axe: str, name: str) -> None:
+    page = told.page.page
+    told.state = STATES[name]
+    told.until("the word", lambda: told.page.state() == WORDS.get(name, name))
+    for fold in FOLDS:
+        page.evaluate("(fold) => { document.querySelector(fold).open = true; }", fold)
+    for theme, (width, height) in SCREENS.items():
+        told.page.wear(theme)
+        page.set_viewport_size({"width": width, "height": height})
+        assert violations(told, axe) == []
+    told.page.wear("dark")
+    page.set_viewport_size({"width": 1280, "height": 720})
+
+
+def test_axe_finds_nothing_without_a_connection(told: Told, axe: str) -> None:
+    told.until("a state", lambda: told.page.state() == "engaged")
+    told.page.wait_for("silence", lambda: told.page.state() == "no connection" or told.page.state() == "silent")
+    assert violations(told, axe) == []
+
+
+def test_axe_would_complain_of_a_button_without_a_name(told: Told, axe: str) -> None:
+    page = told.page.page
+    page.evaluate("() => document.getElementById('side').append(document.createElement('button'))")
+    found = violations(told, axe)
+    page.evaluate("() => document.getElementById('side').lastElementChild.remove()")
+    assert "button-name" in [name for name, *_ in found]
