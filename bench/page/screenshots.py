@@ -12,7 +12,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import cv2
 from msgspec.structs import replace
 
 from bench.page import scene
@@ -25,6 +24,7 @@ from common.messages.video import CameraStatus, VideoFrame
 from local_site.console.hub import Hub
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.operator import SimulatedOperator
+from local_site.tracking.landmarks.view_hands import as_bgr
 from remote_site.video.streaming.pictures import encode_jpeg
 
 SIZES = {"1920x1080": (1920, 1080), "1280x720": (1280, 720), "820x1180": (820, 1180)}
@@ -74,8 +74,7 @@ class Shown:
         self._console = console
         self._cell = {name: encode_jpeg(image, 85) for name, image in rendered(scene.CONFIG).items()}
         pictures = SimulatedOperator(SimulationConfig()).render(0.5)
-        colours = [cv2.cvtColor(p, cv2.COLOR_GRAY2BGR) if p.ndim == 2 else p for p in pictures]
-        self._own = dict(zip(("left", "right"), (encode_jpeg(p, 85) for p in colours), strict=True))
+        self._own = dict(zip(("left", "right"), (encode_jpeg(as_bgr(p), 85) for p in pictures), strict=True))
         self._seq = 0
 
     def describe(self) -> None:
