@@ -111,7 +111,8 @@ class HandArm(Message, frozen=True):
     `session` is a random number chosen at each start of the local site, `seq` rises by one each sample,
     `gripper_toggles` counts the openings of the hand since the session began. `lease` is the number of this operator's
     lease, 0 without one; `clock` is None while the offset is not known; `intent` is None while no page reports one.
-    `sent_ns` is when it was handed to the network, by the local site's clock, None from a sender that does not tell.
+    `read_ns` is when its pictures were read from the cameras, `sent_ns` when it was handed to the network, both by the
+    local site's clock; None from a sender that does not tell, `read_ns` also without pictures.
     """
 
     session: Count
@@ -131,4 +132,5 @@ class HandArm(Message, frozen=True):
     lease: Count = 0
     clock: ClockSync | None = None
     intent: Intent | None = None
+    read_ns: Count | None = None
     sent_ns: Count | None = None

@@ -81,6 +81,7 @@ def _rows(figures: Figures) -> list[tuple[str, str]]:
     errors = [f"{name} {_show(tracking['error_mm'][name]['mean'])}" for name in POINTS]
     return [
         ("exposure to joint command, ms", _levels(command)),
+        ("pictures read to joint command, ms", _levels(figures["picture_to_command_ms"])),
         ("exposure to motion, ms", _levels(motion)),
         ("path of one sample, p50 ms", " → ".join(f"{name} {_show(levels['p50'])}" for name, levels in path.items())),
         (

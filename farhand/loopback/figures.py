@@ -40,14 +40,21 @@ def percentiles(values: Sequence[float], *levels: int) -> Figures:
     return {f"p{level}": _rounded(np.percentile(values, level)) if values else None for level in levels}
 
 
-def latency_figures(states: Sequence[RobotState]) -> Figures:
-    """Exposure to joint command, and exposure to the robot's motion, over all obeyed samples, ms."""
+def latency_figures(states: Sequence[RobotState], hands: Sequence[HandArm] = ()) -> Figures:
+    """Exposure to joint command, and exposure to the robot's motion, over all obeyed samples, ms.
+
+    From the samples in `hands` also the reading of their pictures to the command: without their drawing, where they are
+    simulated. The clocks of both sites are one here.
+    """
+    read = {(hand.session, hand.seq): hand.read_ns for hand in hands if hand.read_ns is not None}
     last = {(s.obeyed.session, s.obeyed.seq): s.obeyed for s in states if s.obeyed is not None}
     command = [(o.command_ns - o.capture_ns) / NS_PER_MS for o in last.values()]
+    since_read = [(o.command_ns - read[key]) / NS_PER_MS for key, o in last.items() if key in read]
     motion = [(o.motion_ns - o.capture_ns) / NS_PER_MS for o in last.values() if o.motion_ns is not None]
     return {
         "capture_to_command_ms": percentiles(command, 50, 95, 99),
         "capture_to_motion_ms": percentiles(motion, 50, 95, 99),
+        "picture_to_command_ms": percentiles(since_read, 50, 95, 99),
     }
 
 
@@ -156,7 +163,7 @@ def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figur
     follows = [state.state is SessionState.ENGAGED for state in states]
     since_first = [follow for follow, state in zip(follows, states, strict=True) if state.engagement is not None]
     return {
-        **latency_figures(states),
+        **latency_figures(states, record.hands),
         **trace_figures(states, record.cameras),
         "tracking": tracking_figures(list(record.hands), truth),
         **follow_figures(states, truth, expectation),

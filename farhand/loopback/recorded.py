@@ -16,6 +16,7 @@ from farhand.loopback.recorder import Record
 NAMES = (
     "capture_to_command_ms",
     "capture_to_motion_ms",
+    "picture_to_command_ms",
     "tracking",
     "follow_mm",
     "follow_lag_ms",

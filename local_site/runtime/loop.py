@@ -92,10 +92,10 @@ class SampleSender:
         self._intent = IntentMerge()
         self._refusals = RefusalLog("intent refused")
 
-    def send_tracked(self, estimate: ArmEstimate) -> None:
-        """Count openings of the hand, smooth, send."""
+    def send_tracked(self, estimate: ArmEstimate, read_ns: int) -> None:
+        """Count openings of the hand, smooth, send; `read_ns` is when the pictures were read."""
         self._hand = self._hand.observe(estimate, self._gesture)
-        self._send(self._smoother.smooth(estimate))
+        self._send(self._smoother.smooth(estimate), read_ns)
 
     def send_led(self, estimate: ArmEstimate, toggles: int) -> None:
         """Send the hand that leads the tool along a path, as it is, with the toggles of its gripper so far."""
@@ -106,13 +106,13 @@ class SampleSender:
         """Send a LOST sample with the reason why there are no views."""
         self._send(ArmEstimate(self._clock.now_ns(), TrackingStatus.LOST, reason))
 
-    def _send(self, estimate: ArmEstimate) -> None:
+    def _send(self, estimate: ArmEstimate, read_ns: int | None = None) -> None:
         now_ns = self._clock.now_ns()
         for _ in range(INTENT.depth):
             self._take_intent(now_ns)
         held = self._authority.lease_and_clock(now_ns)
         intent = unless_in_force(self._intent.at(now_ns), self._watch.settings)
-        self._publisher.put(self._sampler.sample(estimate, self._hand, held.lease, held.clock, intent, now_ns))
+        self._publisher.put(self._sampler.sample(estimate, self._hand, held.lease, held.clock, intent, now_ns, read_ns))
 
     def _take_intent(self, now_ns: int) -> None:
         """Take one intent that waits, if there is one."""
@@ -151,8 +151,9 @@ class LocalSite:
         """
         views = self._capture.next(self._capture.longest_wait_s)
         if views is not None:
+            read_ns = self._clock.now_ns()
             estimate = self._tracking.track(views)
-            self._sender.send_tracked(estimate)
+            self._sender.send_tracked(estimate, read_ns)
             self._tally.note(estimate.status, self._clock.now_ns() - estimate.t_ns)
             self._log_status(estimate.status, estimate.reason)
             self._watch.poll(self._clock.now_ns())

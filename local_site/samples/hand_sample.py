@@ -110,8 +110,12 @@ class HandSampler:
         clock: ClockSync | None,
         intent: Intent | None,
         sent_ns: int,
+        read_ns: int | None = None,
     ) -> HandArm:
-        """The sample of one instant, with lease, clocks' offset and intent as they are when it is sent."""
+        """The sample of one instant, with lease, clocks' offset and intent as they are when it is sent.
+
+        `read_ns` is when its pictures were read from the cameras, None without pictures.
+        """
         sample = HandArm(
             session=self._session,
             seq=self._seq,
@@ -130,6 +134,7 @@ class HandSampler:
             lease=lease,
             clock=clock,
             intent=intent,
+            read_ns=read_ns,
             sent_ns=sent_ns,
         )
         self._seq += 1

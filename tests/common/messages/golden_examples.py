@@ -119,6 +119,7 @@ HAND = HandArm(
     lease=1311768467463790321,
     clock=CLOCKS,
     intent=INTENT,
+    read_ns=1_234_590_000_000,
     sent_ns=1_234_597_890_123,
 )
 POSE = Pose(position=(0.4443359375, 0.0, 0.869140625), orientation=(0.0, 0.70703125, 0.0, 0.70703125))

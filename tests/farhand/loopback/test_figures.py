@@ -32,6 +32,7 @@ from farhand.loopback.figures import (
 )
 from farhand.loopback.recorder import CameraRecord
 from farhand.loopback.run import write_report
+from tests.common.messages.golden_examples import HAND
 
 MS = 1_000_000
 ROTATION = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
@@ -118,6 +119,19 @@ def test_each_sample_counts_once_in_the_latency_with_its_last_word() -> None:
     figures = latency_figures(states)
     assert figures["capture_to_command_ms"] == {"p50": 20.0, "p95": 20.0, "p99": 20.0}
     assert figures["capture_to_motion_ms"]["p50"] == 24.0
+    assert figures["picture_to_command_ms"]["p50"] is None
+
+
+def test_the_way_from_the_pictures_to_the_command_leaves_out_how_they_were_taken() -> None:
+    obeyed = [Obeyed(1, k, k * 100 * MS, k * 100 * MS + 20 * MS, None) for k in range(10)]
+    read = [
+        msgspec.structs.replace(HAND, session=1, seq=k, capture_ns=k * 100 * MS, read_ns=k * 100 * MS + 13 * MS)
+        for k in range(10)
+    ]
+    figures = latency_figures(
+        [state(o.command_ns, np.zeros(3), o) for o in obeyed], [*read, msgspec.structs.replace(HAND, seq=99)]
+    )
+    assert figures["picture_to_command_ms"] == {"p50": 7.0, "p95": 7.0, "p99": 7.0}
 
 
 def test_a_sample_is_followed_to_the_first_picture_taken_after_the_encoders_showed_it() -> None:
