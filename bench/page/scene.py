@@ -67,7 +67,7 @@ def state(word: SessionState, code: str, reason: str, **changes: object) -> Robo
         clock=ClockSync(remote_minus_local_ns=0, uncertainty_ns=NS_PER_MS, measured_ns=now_ns),
         readiness=Readiness(True, "ok", "ready", True),
         min_distance=0.21,
-        target=Pose.from_transform(MODEL.forward(q + 0.1)) if word is SessionState.ENGAGED else None,
+        target=Pose.from_transform(MODEL.forward(q + 0.02)) if word is SessionState.ENGAGED else None,
         settings=OperatorSettings(lease=5),
     )
     return msgspec.structs.replace(known, **changes)

@@ -2,12 +2,14 @@
 
 from functools import partial
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
 from bench.page import scene
 from bench.page.screenshots import STATES, anothers
-from common.messages.robot import Readiness, SessionState
+from common.messages.hand import Locks, OperatorSettings
+from common.messages.robot import Pose, Readiness, SessionState
 from tests.browser.told import Told
 
 ENGAGED, HOLDING = SessionState.ENGAGED, SessionState.HOLDING
@@ -74,7 +76,21 @@ def test_where_a_key_has_to_be_held_it_is_the_next_thing_once_all_is_ready(told:
     missing = Readiness(False, "no_hand", "no hand sample has arrived yet", False)
     told.state = partial(scene.state, SessionState.DISENGAGED, "no_hand", "no hand", readiness=missing)
     told.until("what is missing", lambda: "no hand sample has arrived" in told.page.words("#step-words"))
-    assert ranked(told, "next") == []
+    assert ranked(told, "next") == ["hold"]
+    assert told.page.page.get_attribute("#hold", "data-waits") == "true"
+
+
+def test_a_tool_far_from_its_target_is_behind_and_locks_are_named(told: Told) -> None:
+    q = scene.CONFIG.robot.start
+    far = Pose.from_transform(scene.MODEL.forward(q + np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.8])))
+    told.state = partial(scene.state, ENGAGED, "ok", FOLLOWS, target=far)
+    told.until("the word", lambda: told.page.state() == "behind")
+    assert "46° from its target" in told.page.words("#reason")
+    assert tone(told) == "holding"
+    locked = OperatorSettings(lease=5, locks=Locks(x=True, yaw=True))
+    told.state = partial(scene.state, ENGAGED, "ok", FOLLOWS, settings=locked)
+    told.until("the locks", lambda: "locked: x, yaw" in told.page.words("#reason"))
+    assert tone(told) == "engaged"
 
 
 def test_while_another_operates_the_page_says_that_the_hand_moves_nothing(told: Told) -> None:

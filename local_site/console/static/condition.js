@@ -1,5 +1,6 @@
 // What the arm does, as the page says it at a glance: one condition with its tone, word and sentence; pure.
 import { ageWords } from "./freshness.js";
+import { distance, turnedBy } from "./kinematics.js";
 import { limitOf } from "./limits.js";
 import { troubles } from "./link_line.js";
 
@@ -16,19 +17,23 @@ const RECORDED = {
   silent: (age) => `no state is recorded for ${age}`,
 };
 
+// A tool further than this from its target does not do what the hand does; at full speed it lags by less.
+const BEHIND_M = 0.06;
+const BEHIND_DEG = 20;
+
 /** The words for what is missing: a page that shows a recording has others. */
 export const saidOf = (isReplay) => (isReplay ? RECORDED : LIVE);
 
 export const lostCondition = (said) => ({ name: "lost", tone: "fault", word: "no connection", sentence: said.lost });
 
-/** The condition of the newest state; `operator` is whose page this is. */
-export function conditionOf(robot, operator, said) {
+/** The condition of the newest state under the operator's settings; `operator` is whose page this is. */
+export function conditionOf(robot, settings, operator, said) {
   if (robot === null) return { name: "none", tone: "fault", word: said.noneWord, sentence: said.none };
   if (robot.silent) return silent(robot, said);
   if (robot.state === "fault") return { name: "fault", tone: "fault", word: "fault", sentence: robot.reason };
   if (robot.readiness.code === "stopped") return { name: "stopped", tone: "fault", word: "stopped", sentence: robot.reason };
   if (isAnothers(robot.lease, operator)) return another(robot);
-  return { ...session(robot), sentence: sentenceOf(robot) };
+  return { ...session(robot), sentence: sentenceOf(robot, settings) };
 }
 
 /** Whether somebody else may operate; without a hand from the local site its session is not known, but the name is. */
@@ -52,10 +57,26 @@ function session(robot) {
   if (robot.state === "disengaged") return { name: "disengaged", tone: "idle", word: "disengaged" };
   if (robot.assist?.phase === "leading") return { name: "led", tone: "holding", word: "assist leads" };
   const limit = limitOf(robot.code);
-  return limit === null ? { name: "engaged", tone: "engaged", word: "engaged" } : { name: "limited", tone: "holding", word: limit };
+  if (limit !== null) return { name: "limited", tone: "holding", word: limit };
+  if (behindWords(robot)) return { name: "behind", tone: "holding", word: "behind" };
+  return { name: "engaged", tone: "engaged", word: "engaged" };
 }
 
-function sentenceOf(robot) {
+/** How far the tool is from where the hand sends it, empty where that is near. */
+function behindWords({ target, base_T_tool: tool }) {
+  if (target === null) return "";
+  const [away, turned] = [distance(target.position, tool.position), turnedBy(target.orientation, tool.orientation)];
+  return away > BEHIND_M || turned > BEHIND_DEG ? `the tool is ${(1000 * away).toFixed(0)} mm and ${turned.toFixed(0)}° from its target` : "";
+}
+
+/** Which motions of the hand are not copied. */
+function lockWords(settings) {
+  const locked = Object.entries(settings?.locks ?? {}).filter(([, on]) => on).map(([axis]) => axis);
+  return locked.length > 0 ? `locked: ${locked.join(", ")}` : "";
+}
+
+function sentenceOf(robot, settings) {
   const missing = robot.state === "disengaged" && robot.readiness.reason !== robot.reason ? [robot.readiness.reason] : [];
-  return [robot.reason, ...missing, ...troubles(robot)].join(" · ");
+  const following = robot.state === "engaged" ? [behindWords(robot), lockWords(settings)] : [];
+  return [robot.reason, ...following, ...missing, ...troubles(robot)].filter(Boolean).join(" · ");
 }

@@ -13,6 +13,7 @@ export class Controls {
   #operator = "";
   #mayOperate = false;
   #operates = false;
+  #seatedPage = null;
   #settings = null;
   #lease = null;
   #known = false;
@@ -71,6 +72,8 @@ export class Controls {
   }
 
   show({ robot, hand, seat, settings }) {
+    if (seat.page !== this.#seatedPage) this.#alert.clear("controls");
+    this.#seatedPage = seat.page;
     this.#operates = seat.page === this.#page;
     this.#showSeat(seat);
     this.#showSettings(settings);
@@ -156,6 +159,7 @@ export class Controls {
   }
 
   #changeSeat() {
+    element("seat-button").blur(); // the same button gives the controls back: no key may press it unseen
     this.#connection.ask({ type: this.#operates ? "leave_seat" : "take_seat" });
   }
 }

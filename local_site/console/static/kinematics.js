@@ -47,3 +47,9 @@ export function inverse([a, b, c, x, d, e, f, y, g, h, i, z]) {
 
 export const origin = (frame) => [frame[3], frame[7], frame[11]];
 export const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+
+/** The angle in degrees between two orientations, quaternions x, y, z, w. */
+export function turnedBy(a, b) {
+  const dot = Math.abs(a.reduce((sum, v, k) => sum + v * b[k], 0));
+  return (360 / Math.PI) * Math.acos(Math.min(dot, 1));
+}

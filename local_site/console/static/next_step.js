@@ -1,7 +1,8 @@
 // The one thing to do next, and what else is possible: for each button next, minor or absent; pure.
+// A button that has to wait keeps its place: one that comes and goes would be missed, or another be hit.
 const nothing = (words) => ({ next: null, minor: [], words });
 
-/** Which button is next, which are minor, and what to do in words; `act` is what can be done about the lease. */
+/** Which button is next, whether it has to wait, which are minor, and what to do in words; `act` is what can be done about the lease. */
 export function stepOf(condition, situation, { operates, mayOperate, held, act }) {
   const { robot, seat } = situation;
   if (robot === null || robot.silent) return nothing("Nothing can be done here until the remote site answers. If the arm moves, use the emergency stop.");
@@ -30,12 +31,13 @@ function operating(condition, robot, { held, act }) {
 
 function followingWords({ name, word }, held) {
   if (name === "limited") return `At a limit (${word}): move your hand back, against the arrow.`;
+  if (name === "behind") return "The tool is behind your hand: move slowly, or turn it back.";
   if (name === "led") return "The tool moves by itself while you hold A.";
   return held ? "Keep it held: the arm follows your hand." : "Move your hand: the arm follows.";
 }
 
 function disengaged({ readiness, code }, held, minor) {
-  if (!readiness.ready) return { next: null, minor, words: `Not ready: ${readiness.reason}` };
+  if (!readiness.ready) return { next: held ? "hold" : "engage", waits: true, minor, words: `Not ready: ${readiness.reason}` };
   if (!held) return { next: "engage", minor, words: "Engage to let the arm follow your hand." };
   const first = code === "let_go_first" ? "Let go first. " : "";
   return { next: "hold", minor, words: `${first}Hold to let the arm follow your hand.` };

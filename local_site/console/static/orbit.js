@@ -27,6 +27,7 @@ export class Orbit {
       changed();
     });
     canvas.addEventListener("wheel", (event) => {
+      if (document.activeElement !== canvas) return; // the page scrolls
       event.preventDefault();
       this.#zoom(event.deltaY > 0 ? ZOOM : 1 / ZOOM);
       changed();

@@ -1,6 +1,6 @@
 // A condition without flicker: a worse one shows at once, a better one when it has lasted, and the first cause stays.
 const CALM_MS = 600;
-const RANKS = { engaged: 0, limited: 1, led: 1, holding: 2 };
+const RANKS = { engaged: 0, limited: 1, behind: 1, led: 1, holding: 2 };
 const CAUSES = ["fault", "stopped"];
 
 export class Steady {

@@ -21,11 +21,12 @@ export class Steps {
     this.#set({ next: null, minor: [], words: "Nothing can be done from here until the console answers." });
   }
 
-  #set({ next, minor, words }) {
+  #set({ next, waits = false, minor, words }) {
     put(this.#words, words);
     for (const button of this.#buttons) {
       const rank = button.id === next ? "next" : minor.includes(button.id) ? "minor" : "absent";
       mark(button, "data-rank", rank);
+      mark(button, "data-waits", waits && rank === "next");
     }
   }
 }

@@ -10,7 +10,7 @@ const NOTES = {
   silent: [440, 220],
   lost: [440, 220],
 };
-const SAME = { limited: "engaged", led: "engaged" }; // still under way: no tone of their own
+const SAME = { limited: "engaged", behind: "engaged", led: "engaged" }; // still under way: no tone of their own
 
 export class Tones {
   #button = document.getElementById("tones");
