@@ -33,7 +33,7 @@ def track(
     ] = None,
     out: Annotated[Path, typer.Option(help="JSON lines to write.")] = Path("track.jsonl"),
     fps: Annotated[
-        float | None, typer.Option(help="Frame rate, where the sources do not state it, or a wrong one.")
+        float | None, typer.Option(help="Frame rate, 0.1 to 1000, where the sources do not state it, or a wrong one.")
     ] = None,
     config: Annotated[
         Path | None,

@@ -11,7 +11,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 
 from common.cameras.sources import recorded_fps
 from common.errors import ConfigError
-from farhand.tracking.recorded_pairs import refuse_other_rates, stated_pairs
+from farhand.tracking.recorded_pairs import refuse_odd_rate, refuse_other_rates, stated_pairs
 from farhand.tracking.results.outputs import TrackOutputs
 from farhand.tracking.summary import Summary
 from farhand.tracking.track import track_recording
@@ -48,6 +48,7 @@ def run_track(sources: TrackSources, outputs: TrackOutputs, should_stop: Callabl
     written, or what was not recorded together.
     """
     given = [source for source in (sources.left, sources.right, *sources.also) if source is not None]
+    refuse_odd_rate(sources.fps)
     outputs.check([sources.rig, *given])
     rig, site = load_rig(sources.rig), sources.site
     if sources.right is None:
