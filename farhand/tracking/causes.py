@@ -15,7 +15,9 @@ class Causes:
         self._camera = re.compile(rf"({names}): (?P<cause>.*)" if names else r"(?!)", re.DOTALL)
         begins = [f"(?:{names}): "] if names else []
         # A sentence may hold a semicolon of its own, so only what is known to begin another one parts two.
-        self._parting = re.compile("; (?=" + "|".join([*begins, *map(re.escape, TrackingReason)]) + ")")
+        self._parting = re.compile(
+            "; (?=" + "|".join([*begins, *(re.escape(str(sentence)) for sentence in TrackingReason)]) + ")"
+        )
         self._pairs: Counter[str] = Counter()
         self._cameras: dict[str, dict[str, None]] = {}
 

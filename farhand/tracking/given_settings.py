@@ -1,4 +1,4 @@
-"""What the settings given to a track ask for: no other tracker than an option does, and what of them changes nothing."""
+"""What the settings given to a track ask for: no other tracker than an option names, and what is not used."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, get_args
@@ -16,7 +16,9 @@ def refuse_other_tracker(tracker: Method, settings: Sequence[str]) -> None:
     if method == tracker:
         return
     load_config(LocalConfig, None, [f"tracking.method={method}"])
-    raise ConfigError(f"--set tracking.method={method}: an option asks for the tracker {tracker}; leave out one of both")
+    raise ConfigError(
+        f"--set tracking.method={method}: an option asks for the tracker {tracker}; leave one of them out"
+    )
 
 
 def unused_settings(tracking: TrackingConfig, settings: Sequence[str]) -> Iterator[str]:
