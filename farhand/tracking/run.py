@@ -53,7 +53,7 @@ def run_track(sources: TrackSources, outputs: TrackOutputs, should_stop: Callabl
     given = [source for source in (sources.left, sources.right, *sources.also) if source is not None]
     refuse_odd_rate(sources.fps)
     outputs.check([sources.rig, *given])
-    rig, site = load_rig(sources.rig), sources.site
+    rig, site = load_rig(sources.rig, "--rig"), sources.site
     if sources.right is None:
         rig, tracking = of_one_camera(rig, site.tracking)
         site = msgspec.structs.replace(site, tracking=tracking)
