@@ -7,7 +7,6 @@ from pathlib import Path
 import msgspec
 
 from local_site.config import LocalConfig
-from local_site.tracking.choice import TrackingConfig
 
 Rows = Sequence[tuple[str, str]]
 """What a row is about, and what it says."""
@@ -31,9 +30,8 @@ def origin_rows(
 
 def _settings(site: LocalConfig) -> Iterator[str]:
     """What a track uses of the configuration and is not as by default; the tracker has a row of its own."""
-    used, usual = site.tracking, LocalConfig()
-    as_here = msgspec.structs.replace(TrackingConfig(), method=used.method, profile_dir=used.profile_dir)
-    yield from _changes("tracking", used, as_here)
+    usual, tracker = LocalConfig(), site.tracking.method
+    yield from _changes(f"tracking.{tracker}", getattr(site.tracking, tracker), getattr(usual.tracking, tracker))
     yield from _changes("drift", site.drift, usual.drift)
     yield from _changes("gesture", site.gesture, usual.gesture)
 

@@ -31,6 +31,7 @@ def test_recordings_rig_rate_tracker_version_and_date_are_named() -> None:
 
 def test_settings_are_those_that_a_track_uses_and_that_are_not_the_defaults() -> None:
     given = rows("tracking.silhouette.right_arm=false", "gesture.hold_ms=50", "preview.fps=5", "tracking.profile_dir=p")
+    assert rows("tracking.method=learned", "tracking.silhouette.right_arm=false")["settings"] == "the defaults"
     assert given["settings"] == "tracking.silhouette.right_arm = false, gesture.hold_ms = 50.0"
 
 
