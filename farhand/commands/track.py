@@ -1,13 +1,17 @@
 """`farhand track`."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from common.errors import ConfigError
 from farhand.commands.options import TRACKER_HELP, Settings, load_own, until_signal
 from local_site.tracking.config import Method
+
+if TYPE_CHECKING:
+    from local_site.config import LocalConfig
 
 
 def track(
@@ -29,7 +33,7 @@ def track(
     ] = None,
     out: Annotated[Path, typer.Option(help="JSON lines to write.")] = Path("track.jsonl"),
     fps: Annotated[
-        float | None, typer.Option(help="Frame rate, where the sources do not state it, or a wrong one.")
+        float | None, typer.Option(help="Frame rate, 0.1 to 1000, where the sources do not state it, or a wrong one.")
     ] = None,
     config: Annotated[
         Path | None,
@@ -56,17 +60,14 @@ def track(
     Example: farhand track --rig rig.json --left left.avi --right right.avi --set tracking.silhouette.right_arm=false
     """
     from farhand.tracking.results.outputs import TrackOutputs
-    from farhand.tracking.run import TrackSources, joint_settings, run_track
+    from farhand.tracking.run import TrackSources, run_track
     from farhand.tracking.summary import describe, refuse_interrupted, refuse_nothing
-    from local_site.config import LocalConfig
 
     if (monocular is None) == (left is None or right is None) or (monocular and (left or right or also)):
         raise ConfigError("give --left and --right, or --monocular alone")
     if monocular is not None and tracker not in (None, "monocular"):
         raise ConfigError(f"--monocular takes the monocular tracker, not {tracker}: leave out --tracker")
-    chosen = [] if tracker is None else [f"tracking.method={tracker}"]
-    chosen += joint_settings(shown_joints) if shown_joints else []
-    site = load_own(LocalConfig, config, [*(settings or ()), *chosen])
+    site = _site(config, settings or [], "monocular" if monocular else tracker, shown_joints)
     sources = TrackSources(rig, monocular or left or "", right, fps, site, tuple(also or ()))
     outputs = TrackOutputs(out, annotate, video, report, csv)
     should_stop = until_signal()
@@ -75,3 +76,21 @@ def track(
     if should_stop():
         refuse_interrupted(summary, outputs.written)
     refuse_nothing(summary)
+
+
+def _site(
+    config: Path | None, settings: Sequence[str], tracker: Method | None, shown_joints: str | None
+) -> "LocalConfig":
+    """The local site's configuration with the tracker that is asked for; a warning for each setting left unused."""
+    from farhand.tracking.given_settings import refuse_other_tracker, unused_settings
+    from farhand.tracking.run import joint_settings
+    from local_site.config import LocalConfig
+
+    chosen = [] if tracker is None else [f"tracking.method={tracker}"]
+    if tracker is not None:
+        refuse_other_tracker(tracker, settings)
+    chosen += joint_settings(shown_joints) if shown_joints else []
+    site = load_own(LocalConfig, config, [*settings, *chosen])
+    for sentence in unused_settings(site.tracking, settings):
+        typer.echo(f"warning: {sentence}", err=True)
+    return site

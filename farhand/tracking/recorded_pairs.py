@@ -9,6 +9,13 @@ from common.errors import ConfigError
 from local_site.tracking.tracker import View, Views
 
 MAX_RATE_RATIO = 1.01
+LEAST_FPS, MOST_FPS = 0.1, 1000.0
+
+
+def refuse_odd_rate(fps: float | None) -> None:
+    """ConfigError if a frame rate (Hz) that is given cannot be a camera's."""
+    if fps is not None and not LEAST_FPS <= fps <= MOST_FPS:
+        raise ConfigError(f"--fps {fps:g}: give frames per second from {LEAST_FPS:g} to {MOST_FPS:g}")
 
 
 def refuse_other_rates(cameras: Sequence[Camera]) -> None:

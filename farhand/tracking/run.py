@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from importlib.metadata import version
 from pathlib import Path
 
 import msgspec
@@ -11,8 +13,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 
 from common.cameras.sources import recorded_fps
 from common.errors import ConfigError
-from farhand.tracking.recorded_pairs import refuse_other_rates, stated_pairs
+from farhand.tracking.recorded_pairs import refuse_odd_rate, refuse_other_rates, stated_pairs
 from farhand.tracking.results.outputs import TrackOutputs
+from farhand.tracking.results.report.origin import origin_rows
 from farhand.tracking.summary import Summary
 from farhand.tracking.track import track_recording
 from local_site.acquisition.rig_cameras import of_one_camera, open_rig_cameras
@@ -48,8 +51,9 @@ def run_track(sources: TrackSources, outputs: TrackOutputs, should_stop: Callabl
     written, or what was not recorded together.
     """
     given = [source for source in (sources.left, sources.right, *sources.also) if source is not None]
+    refuse_odd_rate(sources.fps)
     outputs.check([sources.rig, *given])
-    rig, site = load_rig(sources.rig), sources.site
+    rig, site = load_rig(sources.rig, "--rig"), sources.site
     if sources.right is None:
         rig, tracking = of_one_camera(rig, site.tracking)
         site = msgspec.structs.replace(site, tracking=tracking)
@@ -63,7 +67,10 @@ def run_track(sources: TrackSources, outputs: TrackOutputs, should_stop: Callabl
         prepare_tracker(site.tracking)
         stated = stated_pairs(cameras)
         show = opened.enter_context(_shown_progress(stated))
-        summary = track_recording(rig, left, others, outputs.results(fps), show, site, should_stop)
+        named = [(camera.name, source) for camera, source in zip(rig.cameras, given, strict=True)]
+        origin = origin_rows(sources.rig, named, site, fps, version("farhand"), datetime.now(UTC))
+        results = outputs.results(fps, origin)
+        summary = track_recording(rig, left, others, results, show, site, should_stop)
         summary.stated = stated
         return summary
 

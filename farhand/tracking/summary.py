@@ -1,7 +1,6 @@
 """What a track comes to: how many pairs of each status, which points, how long it took, and in words."""
 
 import re
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,6 +9,7 @@ import numpy as np
 
 from common.errors import InterruptionError, TrackingError
 from common.messages.hand import TrackingStatus
+from farhand.tracking.causes import Causes
 from farhand.tracking.track_line import POINTS, TrackLine
 
 LEARNED_SO_FAR = re.compile(r" \(\d+ of \d+ pairs\)")
@@ -33,7 +33,7 @@ class Summary:
     found: dict[str, int] = field(default_factory=lambda: dict.fromkeys(POINTS, 0))
     gripper_toggles: int = 0
     ms: list[float] = field(default_factory=list)
-    reasons: Counter[str] = field(default_factory=Counter)
+    causes: Causes = field(default_factory=lambda: Causes(()))
     drift: str | None = None
     misfit: str = ""
     left_out: str = ""
@@ -44,7 +44,7 @@ class Summary:
         self.pairs += 1
         self.statuses[line.status] += 1
         self.usable += is_usable(line)
-        self.reasons[lasting_reason(line)] += 1
+        self.causes.add(lasting_reason(line))
         for name in POINTS:
             self.found[name] += getattr(line, name) is not None
         self.gripper_toggles = line.gripper_toggles
@@ -87,8 +87,7 @@ def describe(summary: Summary, written: Sequence[Path]) -> str:
 def refuse_nothing(summary: Summary) -> None:
     """TrackingError if pairs were read, but none can be used; it says why most of them cannot."""
     if summary.pairs and not summary.usable:
-        ((reason, _),) = summary.reasons.most_common(1)
-        raise TrackingError(f"nothing was tracked; most often: {reason}")
+        raise TrackingError(f"nothing was tracked; most often: {summary.causes.commonest}")
 
 
 def refuse_interrupted(summary: Summary, written: Sequence[Path]) -> None:

@@ -9,6 +9,7 @@ from common.cameras.camera import Camera
 from common.cameras.sources import damage_of
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError
+from farhand.tracking.causes import Causes
 from farhand.tracking.recorded_pairs import RecordedPairs
 from farhand.tracking.results.tracked_pair import Result, TrackedPair
 from farhand.tracking.summary import Summary
@@ -64,7 +65,7 @@ class _Recording:
     """A recording being tracked: each pair's views to its line, and the summary of all."""
 
     def __init__(self, rig: Rig, site: LocalConfig) -> None:
-        self.summary = Summary()
+        self.summary = Summary(causes=Causes([camera.name for camera in rig.cameras]))
         self._rig = rig
         self._tracker = make_tracker(rig, site.tracking)
         self._drift = DriftWatch(rig, site.drift, self.summary.warn_of_drift)

@@ -10,9 +10,9 @@ from local_site.calibration.checks import rig_mistakes
 from local_site.calibration.rig import Rig
 
 
-def load_rig(path: Path) -> Rig:
-    """Read a rig file; CalibrationError names what is wrong and the cure."""
-    cure = "make a rig with: farhand calibrate points CSV --out rig.json, or live, and name it in operator.rig"
+def load_rig(path: Path, named_by: str = "operator.rig") -> Rig:
+    """Read a rig file; CalibrationError names what is wrong and the cure, with the key or option that names it."""
+    cure = f"make a rig with: farhand calibrate points CSV --out rig.json, or live, and name it in {named_by}"
     try:
         rig = msgspec.json.decode(path.read_bytes(), type=Rig)
     except OSError as error:

@@ -63,18 +63,18 @@ def _draw_shape(canvas: Image, overlay: Overlay) -> None:
 
 
 def _draw_point(canvas: Image, name: str, estimate: ArmEstimate, overlay: Overlay, projection: Array | None) -> None:
-    """A dot, a ring if the point was inferred, and the ellipse of its sigma."""
+    """A dot, a ring if the point was inferred, and the ellipse of its sigma; nothing where it was not found."""
     pixel: Array | None = getattr(overlay, name)
-    if pixel is None:
+    point: Array | None = getattr(estimate, name)
+    if pixel is None or point is None:
         return
     inferred = name == "thumb" and estimate.thumb_inferred
     radius = round(DOT_PX * (1 << SHIFT))
     for colour, more in ((DARK, 1 << SHIFT), (POINTS[name], 0)):
         thickness = (3 if more else 1) if inferred else cv2.FILLED
         cv2.circle(canvas, _fixed(pixel), radius + more * (not inferred), colour, thickness, cv2.LINE_AA, SHIFT)
-    point: Array | None = getattr(estimate, name)
     covariance = estimate.covariances.get(name)
-    if projection is None or point is None or covariance is None or not np.all(np.isfinite(covariance)):
+    if projection is None or covariance is None or not np.all(np.isfinite(covariance)):
         return
     if projection[2, :3] @ point + projection[2, 3] > 0:
         outline = sigma_outline(projection, point, covariance) + pixel

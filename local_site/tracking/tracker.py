@@ -74,6 +74,7 @@ class TrackingReason(StrEnum):
     )
     OTHER_BODY = "the arm does not fit the operator's profile and is learned again: hold it bent, thumb and index apart"
     NO_HAND = "no hand is seen: hold it up before all cameras"
+    DARK = "the picture is dark: light the arm, take the cap off the camera, or hold the hand up before it"
     HANDS_DIFFER = (
         "a hand is seen, but two views do not agree on it: hold it where all cameras see it; if they do, "
         "the cameras are exchanged, have moved, or are not those of the rig file"

@@ -8,6 +8,7 @@ from common.errors import ConfigError
 from farhand.outputs import check_file, check_folder, refuse_shared
 from farhand.reports.plotting import require_matplotlib
 from farhand.tracking.results.pictures import annotated_pictures
+from farhand.tracking.results.report.origin import Rows
 from farhand.tracking.results.report.track_report import PAGE, track_report
 from farhand.tracking.results.tables import csv_rows, json_lines
 from farhand.tracking.results.tracked_pair import Result
@@ -56,8 +57,11 @@ class TrackOutputs:
         if self.video is not None:
             check_video("--video", self.video, fps)
 
-    def results(self, fps: float | None) -> list[Result]:
-        """What takes the pairs of a recording of this rate (Hz); nothing is written before it is entered."""
+    def results(self, fps: float | None, origin: Rows) -> list[Result]:
+        """What takes the pairs of a recording of this rate (Hz); nothing is written before it is entered.
+
+        `origin` says, for the report, what the track was made of.
+        """
         chosen: list[Result] = []
         if self.video is not None and fps is not None:
             chosen.append(overlay_video(self.video, fps))  # first, as it may refuse the first picture
@@ -67,7 +71,7 @@ class TrackOutputs:
         if self.annotate is not None:
             chosen.append(annotated_pictures(self.annotate))
         if self.report is not None:
-            chosen.append(track_report(self.report))
+            chosen.append(track_report(self.report, origin))
         return chosen
 
     @property

@@ -20,6 +20,7 @@ from local_site.tracking.features.silhouette import Silhouette, to_grey
 from local_site.tracking.tracker import FrameCache, Overlay, View
 
 MIN_SIDE_PX = 32
+LINE_SAMPLES = 200
 
 
 class Foreground(Protocol):
@@ -86,16 +87,27 @@ def overlay_of(camera: CameraCalibration, view: Features, points: Sequence[Array
     """What to draw over a view: its outline and lines, and points (3,) in m: elbow, wrist, then index and thumb."""
     upper = view.upper_arm
     elbow, wrist, index, thumb, *_ = (*camera.distort_pixels(project(camera.matrix, np.array(points))), None, None)
+    forearm_line = _seen_part(view.silhouette, view.forearm.at(0.0), view.guess.wrist)
     upper_line = None if upper is None else np.array([upper.at(0.0), view.guess.shoulder_end])
     return Overlay(
         contour=np.rint(camera.distort_pixels(view.silhouette.contour)).astype(np.int32),
-        forearm_line=camera.distort_pixels(np.array([view.forearm.at(0.0), view.guess.wrist])),
+        forearm_line=None if forearm_line is None else camera.distort_pixels(forearm_line),
         upper_arm_line=None if upper_line is None else camera.distort_pixels(upper_line),
         elbow=elbow,
         wrist=wrist,
         index=index,
         thumb=thumb,
     )
+
+
+def _seen_part(silhouette: Silhouette, elbow: Array, wrist: Array) -> Array | None:
+    """The ends (2, 2) of what the silhouette shows of the line between two pixels; None where it shows nothing."""
+    line = np.linspace(elbow, wrist, LINE_SAMPLES)
+    height, width = silhouette.grey.shape
+    inside = np.flatnonzero(np.all((line >= 0) & (line <= (width - 1, height - 1)), axis=1))
+    columns, rows = np.rint(line[inside]).astype(int).T
+    seen = inside[silhouette.grey[rows, columns] > silhouette.level]
+    return line[[seen[0], seen[-1]]] if len(seen) else None
 
 
 def blend(before: Features, now: Features, weight: float) -> Features:

@@ -32,11 +32,17 @@ class HandFinder:
         self._attempts = self._instants = 0
         self._still = StillHands()
         self._sees_room = False
+        self._blind: tuple[int, ...] = ()
 
     @property
     def sees_room(self) -> bool:
         """Whether no hand is in the pictures, or only what stands as still as a poster and no two views agree on."""
         return self._sees_room
+
+    @property
+    def blind(self) -> tuple[int, ...]:
+        """The views without any hand at the last instant, by number."""
+        return self._blind
 
     def find(self, views: Views, doubt: Doubt, *, quickly: bool, motion: Motion | None = None) -> SeenHand | str:
         """The hand at the views' instant, or a sentence why there is none.
@@ -46,6 +52,7 @@ class HandFinder:
         `motion` the views are then looked at in turn.
         """
         candidates = self._candidates(views, motion if quickly else None, quickly=quickly)
+        self._blind = tuple(k for k, hands in enumerate(candidates) if not hands)
         found = [seen for seen in self._pairing.pairs(candidates) if _is_sure(seen)]
         self._sees_room = not found and self._still.are_all(views.t_ns, candidates)
         if not found:

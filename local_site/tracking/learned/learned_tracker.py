@@ -15,6 +15,7 @@ from local_site.tracking.learned.arm_outlines import ArmOutlines
 from local_site.tracking.learned.fitted_hand import FittedHand
 from local_site.tracking.learned.followed_hand import FollowedHand
 from local_site.tracking.learned.hand_motion import HandMotion
+from local_site.tracking.learned.no_pair import why_no_pair
 from local_site.tracking.learned.room_pictures import RoomPictures
 from local_site.tracking.silhouette.arm_finder import NoArm, SeenArm
 from local_site.tracking.silhouette.hand_model.fit import MAX_VIEWS, MIN_VIEWS, NO_VIEW, HandView
@@ -192,12 +193,14 @@ class LearnedTracker:
         if not self._operator.has_begun:
             self._finder.forget()
             self._hand.forget()
+        told = why_no_pair(reason, self._rig, views, self._finder.blind) if reason in NO_PAIR else reason
         if reason in NO_PAIR and self._finder.sees_room and not self._operator.is_known:
             room = self._room.take(views)
             if room is not None:
                 self._outlines.learn_room(room)
             if self._room.is_learning:
-                return ArmEstimate(views.t_ns, TrackingStatus.INITIALISING, TrackingReason.LEARNING_ROOM)
+                lesson = told if TrackingReason.DARK in told else TrackingReason.LEARNING_ROOM
+                return ArmEstimate(views.t_ns, TrackingStatus.INITIALISING, lesson)
         else:
             self._room.forget()
-        return ArmEstimate(views.t_ns, TrackingStatus.LOST, reason)
+        return ArmEstimate(views.t_ns, TrackingStatus.LOST, told)

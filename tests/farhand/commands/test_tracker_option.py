@@ -53,13 +53,18 @@ def test_each_tracker_has_a_table_of_its_own():
 
 def tracked_with(monkeypatch, *arguments):
     """The local site's configuration that a track command comes to."""
+    return told_with(monkeypatch, *arguments)[0]
+
+
+def told_with(monkeypatch, *arguments):
+    """The same, and the warnings."""
     seen = []
     monkeypatch.setattr("farhand.tracking.run.run_track", lambda sources, *_: seen.append(sources.site) or Summary())
     result = CliRunner().invoke(app, ["track", "--rig", "r", "--left", "a", "--right", "b", *map(str, arguments)])
     if isinstance(result.exception, ConfigError):
         raise result.exception
     assert result.exit_code == 0, result.output
-    return seen[0]
+    return seen[0], result.stderr
 
 
 def test_a_track_takes_its_parameters_from_the_local_sites_file_and_from_settings(monkeypatch, tmp_path):
@@ -83,6 +88,38 @@ def test_a_track_takes_its_parameters_from_the_local_sites_file_and_from_setting
 def test_misuse_of_a_setting_names_the_cure(monkeypatch, setting, cure):
     with pytest.raises(ConfigError, match=re.escape(cure)):
         tracked_with(monkeypatch, "--set", setting)
+
+
+@pytest.mark.parametrize(
+    ("method", "cure"),
+    [("bogus", "'bogus' is not allowed: choose one of silhouette"), ("markers", "asks for the tracker learned")],
+)
+def test_no_setting_names_another_tracker_than_the_option(monkeypatch, method, cure):
+    with pytest.raises(ConfigError, match=re.escape(cure)):
+        tracked_with(monkeypatch, "--tracker", "learned", "--set", f"tracking.method={method}")
+    assert tracked_with(monkeypatch, "--tracker", "learned", "--set", "tracking.method=learned")
+
+
+def test_a_setting_of_another_tracker_is_named_with_the_key_of_the_one_in_use(monkeypatch):
+    _, told = told_with(monkeypatch, "--tracker", "learned", "--set", "tracking.silhouette.right_arm=false")
+    assert told == (
+        "warning: tracking.silhouette.right_arm belongs to the tracker silhouette, but learned is in use: "
+        "give tracking.learned.right_arm\n"
+    )
+    _, told = told_with(monkeypatch, "--set", "tracking.markers.open_ratio=1.2")
+    assert told.endswith("but silhouette is in use: leave it out\n")
+
+
+def test_a_file_may_hold_the_tables_of_all_trackers_and_settings_of_the_one_in_use_are_taken(monkeypatch, tmp_path):
+    file = tmp_path / "local.toml"
+    file.write_text("[tracking.silhouette]\nright_arm = false\n")
+    settings = ("--tracker", "learned", "--set", "tracking.learned.right_arm=false")
+    assert told_with(monkeypatch, "--config", file, *settings)[1] == ""
+
+
+def test_a_folder_of_profiles_is_said_not_to_be_used_by_a_track(monkeypatch):
+    _, told = told_with(monkeypatch, "--set", "tracking.profile_dir=profiles")
+    assert told.startswith("warning: tracking.profile_dir is not used here")
 
 
 @pytest.mark.parametrize("command", [["track", "--rig", "r", "--left", "a", "--right", "b"], ["loopback"]])

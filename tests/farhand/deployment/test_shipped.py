@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from common.config import load_config
+from common.config import load_config, read_tables
 from common.errors import ConfigError
 from farhand.cli import app
 from farhand.deployment.shipped import HERE, NAMES
@@ -34,6 +34,14 @@ def test_a_shipped_configuration_is_printed_as_it_is_and_valid(name: str, tmp_pa
     printed = tmp_path / "printed.toml"
     printed.write_text(done.output)
     load_config(KINDS[name], printed)
+
+
+@pytest.mark.parametrize("name", ["local", "local-cameras"])
+@pytest.mark.parametrize("tracker", ["silhouette", "learned"])
+def test_which_arm_is_tracked_stands_in_the_local_sites_files_with_its_default(name: str, tracker: str) -> None:
+    given = read_tables(HERE / "sites" / f"{name}.toml")["tracking"][tracker]
+    default = getattr(LocalConfig().tracking, tracker)
+    assert given == {"right_arm": default.right_arm, "initial_pairs": default.initial_pairs}
 
 
 def test_an_unknown_name_is_refused_with_those_there_are() -> None:

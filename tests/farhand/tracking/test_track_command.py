@@ -83,6 +83,14 @@ def test_where_nothing_was_tracked_the_command_fails_and_keeps_what_it_wrote(tra
     assert "4 pairs" in (tmp_path / "report/report.html").read_text()
 
 
+def test_a_rig_that_cannot_be_used_is_named_by_the_option(track, tmp_path):
+    (tmp_path / "rig.json").write_text("{}")
+    done = track("--left", "left", "--right", "right")
+    assert done.code == 1
+    assert "name it in --rig" in done.err
+    assert "operator.rig" not in done.err
+
+
 def test_the_bar_ends_at_the_number_of_pairs_of_the_shortest_recording(track, tmp_path):
     left, right = dark(tmp_path / "left", 6), dark(tmp_path / "right", 4)
     assert "4/4" in track("--left", left, "--right", right, "--tracker", "markers").err

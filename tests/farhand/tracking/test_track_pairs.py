@@ -145,6 +145,13 @@ def test_recordings_of_different_rates_are_refused_unless_the_rate_is_given(tmp_
     assert [json.loads(line)["t_ns"] for line in out.read_text().splitlines()] == [0, 50_000_000, 100_000_000]
 
 
+@pytest.mark.parametrize("fps", [1e9, 0.0, -30.0, float("nan"), float("inf")])
+def test_a_rate_that_no_camera_has_is_refused_with_the_range(tmp_path, fps):
+    given = sources(tmp_path, video(tmp_path, "left", 30), video(tmp_path, "right", 30), fps)
+    with pytest.raises(ConfigError, match=r"--fps .*from 0\.1 to 1000"):
+        run_track(given, TrackOutputs(tmp_path / "track.jsonl"))
+
+
 def test_a_picture_of_another_size_is_named_and_what_was_tracked_is_kept(tmp_path):
     left = folder(tmp_path, "left", [(48, 64), (48, 64), (24, 32)])
     right = folder(tmp_path, "right", [(48, 64)] * 3)

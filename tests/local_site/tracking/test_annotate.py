@@ -64,6 +64,12 @@ def test_a_point_is_marked_where_it_is(name, grey):
     assert np.abs(marked).max() <= 4
 
 
+@pytest.mark.parametrize("name", POINTS)
+def test_a_point_that_was_not_found_has_no_mark_though_a_view_has_a_place_for_it(name):
+    picture = annotate(BLACK, estimate(covariances={}, **{name: None}), 0)
+    assert not len(coloured(picture, POINTS[name], (*PIXELS[name], 12)))
+
+
 def test_an_inferred_thumb_is_a_ring():
     picture = annotate(BLACK, estimate(covariances={}, thumb_inferred=True), 0)
     x, y = np.round(PIXELS["thumb"]).astype(int)

@@ -26,10 +26,12 @@ class TrackHistory:
     def __init__(self) -> None:
         self._rows = array("d")
         self._reasons: dict[str, int] = {}
+        self.gripper_toggles = 0
 
     def add(self, pair: TrackedPair) -> None:
         """Keep the figures of a pair."""
         line = pair.line
+        self.gripper_toggles = line.gripper_toggles
         reason = self._reasons.setdefault(lasting_reason(line), len(self._reasons))
         self._rows.extend((pair.t_s, STATUSES.index(line.status), reason, line.ms, _known(line.residual_px)))
         for name in ALL_POINTS:

@@ -11,18 +11,24 @@ from common.geometry import Array
 from farhand.outputs import make_folder, write_result
 from farhand.reports.page import heading, page, paragraph, picture, table
 from farhand.tracking.results.report.history import STATUSES, Mask, TrackHistory
+from farhand.tracking.results.report.origin import Rows
 from farhand.tracking.results.report.plots import PLOTS, SHOWN_REASONS, Plot, plots
 from farhand.tracking.results.report.worst_pairs import APART_S, ShownPair, WorstPairs
 from farhand.tracking.results.tracked_pair import Take, TrackedPair
+from farhand.tracking.track_line import ALL_POINTS, POINTS
 
 PAGE = "report.html"
 OWN_PICTURE = re.compile(r"(worst|reason)_\d\d\.png|(" + "|".join(PLOTS) + r")\.png")
+SHOWN_PICTURE = re.compile(r'<img src="([^"]+)"')
 NONE = "–"
 
 
 @contextmanager
-def track_report(folder: Path) -> Iterator[Take]:
-    """A report of the pairs that were tracked, however the track ended; ConfigError if it cannot be written."""
+def track_report(folder: Path, origin: Rows) -> Iterator[Take]:
+    """A report of the pairs that were tracked, however the track ended; ConfigError if it cannot be written.
+
+    `origin` says what the track was made of.
+    """
     history, shown = TrackHistory(), WorstPairs()
 
     def take(pair: TrackedPair) -> None:
@@ -33,13 +39,13 @@ def track_report(folder: Path) -> Iterator[Take]:
         yield take
     finally:
         if history.pairs:
-            _write(folder, history, shown)
+            _write(folder, origin, history, shown)
 
 
-def _write(folder: Path, history: TrackHistory, shown: WorstPairs) -> None:
+def _write(folder: Path, origin: Rows, history: TrackHistory, shown: WorstPairs) -> None:
     """The pictures first, then the page that shows them; pictures that only an earlier page showed are removed."""
     make_folder("--report", folder)
-    replaces_earlier = (folder / PAGE).exists()
+    earlier = _pictures_of(folder / PAGE)
     drawn = plots(history)
     worst = {f"worst_{k:02d}.png": pair for k, pair in enumerate(shown.worst, start=1)}
     reasons = {f"reason_{k:02d}.png": pair for k, pair in enumerate(shown.first_of_reason, start=1)}
@@ -47,26 +53,30 @@ def _write(folder: Path, history: TrackHistory, shown: WorstPairs) -> None:
         write_result(folder / f"{plot.name}.png", plot.png)
     for name, pair in {**worst, **reasons}.items():
         write_result(folder / name, pair.png)
-    body = [*_tables(history), *_plots(drawn), *_worst(worst), *_reasons(reasons)]
+    made_of = table(("this track", "what it is of"), origin)
+    body = [made_of, *_tables(history), *_plots(drawn), *_worst(worst), *_reasons(reasons)]
     write_result(folder / PAGE, page("Track report", body).encode())
-    if replaces_earlier:
-        _remove_others(folder, {*worst, *reasons, *(f"{plot.name}.png" for plot in drawn)})
+    for name in earlier - {*worst, *reasons, *(f"{plot.name}.png" for plot in drawn)}:
+        (folder / name).unlink(missing_ok=True)
 
 
-def _remove_others(folder: Path, shown: set[str]) -> None:
-    """Remove the pictures of an earlier report that this one does not show, and nothing else."""
-    for path in folder.iterdir():
-        if OWN_PICTURE.fullmatch(path.name) and path.name not in shown:
-            path.unlink(missing_ok=True)
+def _pictures_of(page: Path) -> set[str]:
+    """The pictures of its own that an earlier report shows; none where there is no such report."""
+    try:
+        shown = SHOWN_PICTURE.findall(page.read_text(encoding="utf-8", errors="replace"))
+    except FileNotFoundError:
+        return set()
+    return {name for name in shown if OWN_PICTURE.fullmatch(name)}
 
 
 def _tables(history: TrackHistory) -> Iterator[str]:
     seconds = history.t_s[-1]
-    yield paragraph(f"{history.pairs} pairs over {seconds:.2f} s. Points are in the operator frame. {SIGMA}")
+    length = f"{history.pairs} pairs over {seconds:.2f} s; gripper toggles: {history.gripper_toggles}."
+    yield paragraph(f"{length} Points are in the operator frame. {SIGMA}")
     yield table(("status", "pairs", "share"), [(s.value, *_count(history.had(s))) for s in STATUSES])
     yield table(("of each pair", "median", "95 % are below", "greatest"), _of_pairs(history))
-    if names := history.measured_points:
-        yield table(("point", *POINT_FIGURES), [(name, *_of_point(history, name)) for name in names])
+    names = [name for name in ALL_POINTS if name in {*POINTS, *history.measured_points}]
+    yield table(("point", *POINT_FIGURES), [(name, *_of_point(history, name)) for name in names])
     if reasons := history.reasons():
         rows = ((f"{k}: {reason}", *_count(had)) for k, (reason, had) in enumerate(reasons[:SHOWN_REASONS], start=1))
         yield table(("reason", "pairs", "share"), rows)
@@ -91,7 +101,7 @@ def _of_point(history: TrackHistory, name: str) -> tuple[str, ...]:
 
 def _count(held: Mask) -> tuple[str, str]:
     """How many pairs, and which share."""
-    return str(int(held.sum())), f"{100 * held.mean():.1f} %"
+    return str(int(held.sum())), f"{100 * held.mean():.1f}\N{NO-BREAK SPACE}%"
 
 
 def _levels(values: Array, decimals: int, percents: Sequence[int]) -> list[str]:

@@ -36,8 +36,13 @@ LEFT = 0.05
 OTHER_HABITS = np.array([0.3, 0.3, 0.1, 0.05, -0.3, -0.3, 0.3, 0.1, -0.1, 0.1])
 
 
-def black(pictures):
-    return [np.full_like(picture, 9) for picture in pictures]
+def black(pictures, level=24):
+    """A dark wall without an arm."""
+    return [np.full_like(picture, level) for picture in pictures]
+
+
+def capped(pictures):
+    return black(pictures, level=9)
 
 
 def later(views, instants):
@@ -205,7 +210,7 @@ def test_a_poster_that_one_view_sees_does_not_keep_the_room_from_being_learned(s
         reasons.append(shown.tracker.track(later(moving.views(0, black), k)).reason)
     assert TrackingReason.LEARNING_ROOM not in reasons[:20]
     assert TrackingReason.LEARNING_ROOM in reasons
-    assert reasons[-1] == TrackingReason.HANDS_DIFFER
+    assert reasons[-1] == f"{shown.rig.cameras[1].name}: {TrackingReason.NO_HAND}"
 
 
 def test_a_hand_that_one_view_sees_moving_keeps_the_room_from_being_learned(shown, moving):
@@ -213,7 +218,25 @@ def test_a_hand_that_one_view_sees_moving_keeps_the_room_from_being_learned(show
         show(shown.views, seen_by_all(shown.rig, simulated_landmarks(moving, k)))
         shown.views[1].shown = []
         estimate = shown.tracker.track(moving.views(k, black))
-        assert estimate.reason == TrackingReason.HANDS_DIFFER
+        assert estimate.reason == f"{shown.rig.cameras[1].name}: {TrackingReason.NO_HAND}"
+
+
+def test_hands_on_which_two_views_do_not_agree_are_said_to_differ(shown, moving):
+    hands = simulated_landmarks(moving, 0)
+    here, there = seen_by_all(shown.rig, hands), seen_by_all(shown.rig, hands + ELSEWHERE)
+    show(shown.views, [here[0], there[1]])
+    assert shown.tracker.track(moving.views(0)).reason == TrackingReason.HANDS_DIFFER
+
+
+@pytest.mark.parametrize("capped_views", [(0,), (1,), (0, 1)])
+def test_dark_pictures_are_named_instead_of_the_room_or_the_hand(shown, moving, capped_views):
+    def cover(pictures):
+        return [capped([p])[0] if k in capped_views else black([p])[0] for k, p in enumerate(pictures)]
+
+    told = "; ".join(f"{shown.rig.cameras[k].name}: {TrackingReason.DARK}" for k in capped_views)
+    estimates = [shown.track(moving.views(k, cover)) for k in range(45)]
+    assert {estimate.reason for estimate in estimates} == {told}
+    assert estimates[-1].status is TrackingStatus.LOST
 
 
 def test_another_number_of_views_is_lost(shown, moving):

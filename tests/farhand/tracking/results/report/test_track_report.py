@@ -1,10 +1,12 @@
 """The report of a track: its figures are those of the pairs, its pictures have words, and it needs nothing else."""
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 
@@ -14,6 +16,7 @@ from farhand.tracking.results.report.history import TrackHistory
 from farhand.tracking.results.report.track_report import PAGE, track_report
 from tests.farhand.tracking.results.tracked import FPS, TrackedPair, pair, write_then_fail
 
+ORIGIN = [("camera left", "films/left <1>.avi"), ("tracker", "learned")]
 RED = (0x30, 0x30, 0xC2)  # blue, green, red of a loss
 
 
@@ -45,7 +48,7 @@ def a_track() -> list[TrackedPair]:
 
 
 def report(folder: Path, pairs: list[TrackedPair]) -> Elements:
-    with track_report(folder) as take:
+    with track_report(folder, ORIGIN) as take:
         for found in pairs:
             take(found)
     return Elements((folder / PAGE).read_text())
@@ -57,7 +60,23 @@ def test_the_tables_have_the_figures_of_the_pairs(tmp_path: Path) -> None:
     assert "rms epipolar residual between the views, px 0.50 0.50 0.50" in words
     assert "wrist 87.5 % 1.0 1.0 1.000" in words
     assert "1: folded 10 25.0 % 2: too <dark> 5 12.5 %" in words
+    assert "camera left films/left <1>.avi tracker learned" in words
+    assert "gripper toggles: 0." in words
+    assert "elbow 0.0 % – – – –" in words
+    assert "palm" not in words
     assert "Pair 31 at 1.240 s, wrist: a jump of 100.0 mm" in words
+
+
+def test_the_toggles_are_those_of_the_last_pair(tmp_path: Path) -> None:
+    last = pair(1)
+    toggled = replace(last, line=msgspec.structs.replace(last.line, gripper_toggles=3))
+    assert "gripper toggles: 3." in report(tmp_path, [pair(0), toggled]).text
+
+
+def test_a_share_does_not_wrap(tmp_path: Path) -> None:
+    text = report(tmp_path, a_track()).text
+    assert "62.5\N{NO-BREAK SPACE}%" in text
+    assert not re.search(r"\d\.\d %", text)
 
 
 def test_every_picture_is_there_has_words_and_opens_by_a_link(tmp_path: Path) -> None:
@@ -103,10 +122,10 @@ def test_one_pair_is_enough(tmp_path: Path) -> None:
 
 def test_a_track_that_fails_leaves_a_report_of_what_was_tracked(tmp_path: Path) -> None:
     with pytest.raises(CameraError, match="unplugged"):
-        write_then_fail(track_report(tmp_path / "a" / "b"), 2, CameraError("unplugged"))
+        write_then_fail(track_report(tmp_path / "a" / "b", ORIGIN), 2, CameraError("unplugged"))
     assert "2 pairs" in (tmp_path / "a" / "b" / PAGE).read_text()
     with pytest.raises(CameraError, match="unplugged"):
-        write_then_fail(track_report(tmp_path / "none"), 0, CameraError("unplugged"))
+        write_then_fail(track_report(tmp_path / "none", ORIGIN), 0, CameraError("unplugged"))
     assert not (tmp_path / "none").exists()
 
 
@@ -118,7 +137,7 @@ def test_speed_is_unknown_at_and_after_a_gap() -> None:
 
 
 def test_a_report_replaces_an_earlier_one_and_keeps_what_is_not_its_own(tmp_path: Path) -> None:
-    foreign = tmp_path / "worst_of_all.png", tmp_path / "notes.txt"
+    foreign = tmp_path / "worst_of_all.png", tmp_path / "worst_99.png", tmp_path / "notes.txt"
     for path in foreign:
         path.write_text("mine")
     report(tmp_path, a_track())
