@@ -28,7 +28,8 @@
   };
 
   const meet = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 2;
-  const apart = (a, b) => !a.contains(b) && !b.contains(a) && a.closest(".view") === b.closest(".view") && !clamped(a) && !clamped(b);
+  const isAlarm = (element) => element.closest("[role=alert]") !== null; // lies over the rest, so that it moves nothing
+  const apart = (a, b) => !isAlarm(a) && !isAlarm(b) && !a.contains(b) && !b.contains(a) && a.closest(".view") === b.closest(".view") && !clamped(a) && !clamped(b);
   const overlapping = [];
   words.forEach((one, k) => {
     for (const other of words.slice(k + 1)) {
