@@ -1,6 +1,7 @@
 """The page as an operator uses it: it shows what is, its key moves the arm, and every end of it stops the arm."""
 
 import os
+import re
 import signal
 from pathlib import Path
 
@@ -76,7 +77,8 @@ def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, page) -> None:
 
 def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_the_arm(stand, page, open_page) -> None:
     watching = open_page()
-    number = page.words("#seat").partition("page ")[2].rstrip(")")
+    page.wait_for("the controls", lambda: "you operate" in page.words("#seat"))
+    number = re.findall(r"page (\d+)", page.words("#seat"))[0]
     watching.wait_for("the word", lambda: f"you watch; page {number} (127.0.0.1) operates" in watching.words("#seat"))
     assert watching.page.is_disabled("#engage")
     assert watching.page.is_disabled("#hold")

@@ -8,11 +8,13 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("common", "local_site", "remote_site", "farhand")
 WALL = {"time", "time_ns", "localtime", "gmtime", "ctime", "clock_gettime", "clock_gettime_ns", "now", "utcnow"}
-DATED = {  # the day of a calibration and of a recording, for people, and when certificates are good
+DATED = {  # for people the day of a calibration, a recording, a report, a stop; and when certificates are good
+    "farhand/authority/engage.py": {"now"},
     "farhand/calibration/points.py": {"now"},
     "farhand/commands/files.py": {"now"},
     "farhand/commands/record.py": {"now"},
     "farhand/doctor/run.py": {"now"},
+    "farhand/tracking/run.py": {"now"},
 }
 
 

@@ -109,7 +109,7 @@ class LearnedTracker:
             for k, matrix in enumerate(self._rig.matrices)
             if k in outlines or k in seen.views
         ]
-        evidence = finder.evidence(arm, beside_landmarks=True) if isinstance(arm, SeenArm) else None
+        evidence = finder.evidence(arm) if isinstance(arm, SeenArm) else None
         return self._hand.track(views, seen.points, evidence, outlines_are_sharp=not self._outlines.in_room)
 
     def _with_landmarks(self, outline: HandView | None, matrix: Array, seen: SeenHand, k: int) -> HandView:

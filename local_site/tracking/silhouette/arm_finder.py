@@ -14,7 +14,7 @@ from local_site.tracking.features.posture import Posture
 from local_site.tracking.silhouette.hand_model.fit import MIN_VIEWS, HandView
 from local_site.tracking.silhouette.hand_model.habits import LimbEvidence
 from local_site.tracking.silhouette.hand_view import make_hand_view
-from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints, wrist_covariance
+from local_site.tracking.silhouette.joints import Body, Joints, sleeve_end, solve_joints
 from local_site.tracking.silhouette.limbs import Limbs, limbs_of
 from local_site.tracking.silhouette.quality import Tangency, objection
 from local_site.tracking.tracker import Overlay, TrackingReason, View, Views, extrapolation
@@ -22,7 +22,6 @@ from local_site.tracking.tracker import Overlay, TrackingReason, View, Views, ex
 MAX_PREDICTED_SIGMA = 0.015
 MAX_TANGENT_RESIDUAL = 0.4
 ALONG_SIGMA, ACROSS_SIGMA = 0.006, 0.002
-LINES_ACROSS_SIGMA = 0.0014  # beside the lines' own covariance
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,24 +102,14 @@ class ArmFinder:
         }
         return {k: view for k, view in hands.items() if view is not None}
 
-    def evidence(self, arm: SeenArm, *, beside_landmarks: bool = False) -> LimbEvidence:
-        """What the limbs show of the hand.
-
-        Beside landmarks of the hand, the limbs' lines say how well they determine the wrist: badly where the forearm is
-        nearly parallel to the line between the cameras. Outlines alone would then not hold it.
-        """
+    def evidence(self, arm: SeenArm) -> LimbEvidence:
+        """What the limbs show of the hand."""
         far_end = triangulate(self.matrices(arm.seen), [_farthest(f) for f in arm.features])
         along = arm.joints.wrist - arm.joints.elbow
         axis = along / max(float(np.linalg.norm(along)), 1e-6)
         # Before the hand is fitted, the wrist is less certain along the forearm's axis.
-        along_axis = np.outer(axis, axis)
-        if beside_landmarks:
-            across = np.eye(3) - along_axis
-            lines = LINES_ACROSS_SIGMA**2 * np.eye(3) + across @ wrist_covariance(arm.joints) @ across
-        else:
-            lines = ACROSS_SIGMA**2 * np.eye(3)
-        covariance = lines + ALONG_SIGMA**2 * along_axis
-        return LimbEvidence(arm.joints.wrist, covariance, arm.joints.elbow, far_end)
+        wrist_covariance = ACROSS_SIGMA**2 * np.eye(3) + ALONG_SIGMA**2 * np.outer(axis, axis)
+        return LimbEvidence(arm.joints.wrist, wrist_covariance, arm.joints.elbow, far_end)
 
     def sleeve(self, arm: SeenArm) -> Array | None:
         """Where the sleeve ends (3,) in m; None where it is not seen."""
