@@ -11,7 +11,7 @@ page       the operator's page in Chromium: glass-to-glass latency, narrow links
 recording  a recording of an hour: time to open it, to seek in it, to repair it; bytes a minute as JPEG and H.264
 rendering  time to render a stereo pair of the simulated operator and the views of the cell, and their size as JPEG
 soak       ten minutes of simulated time in which everything goes wrong: the worst that each driver received
-tracking   both trackers of a bare arm beside MediaPipe Hands: time, gaps, errors, whether covariances are honest
+tracking   both trackers of a bare arm beside MediaPipe Hands: time, gaps, errors, honest covariances; a real film
 video      the four views: processor time, bytes, and what arrives through links of 20, 5 and 2 Mbit/s
 wan        both sites over Internet links of a matrix: following, holds, lag, pictures, beside what is demanded
 

@@ -1,4 +1,4 @@
-"""Messages for a page: a cell, its robot's states, its cameras' pictures, as a test wants them."""
+"""Messages for a page, for screenshots and tests: a cell, its robot's states, its cameras' pictures."""
 
 import time
 

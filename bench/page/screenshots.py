@@ -18,9 +18,8 @@ from bench.page import scene
 from bench.page.bare_console import BareConsole
 from bench.page.glass_to_glass import rendered
 from bench.page.stand import browsing
-from common.messages.hand import HandArm
+from common.clock import NS_PER_S
 from common.messages.robot import LeaseState, Readiness, RobotState, SessionState
-from common.messages.video import CameraStatus, VideoFrame
 from local_site.console.hub import Hub
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.operator import SimulatedOperator
@@ -30,12 +29,7 @@ from remote_site.video.streaming.pictures import encode_jpeg
 SIZES = {"1920x1080": (1920, 1080), "1280x720": (1280, 720), "820x1180": (820, 1180)}
 LIGHT = "engaged"
 PERIOD_S, SHOWN_S = 0.04, 2.0
-ENGAGED, HOLDING, DISENGAGED, FAULT = (
-    SessionState.ENGAGED,
-    SessionState.HOLDING,
-    SessionState.DISENGAGED,
-    SessionState.FAULT,
-)
+ENGAGED, DISENGAGED = SessionState.ENGAGED, SessionState.DISENGAGED
 
 State = Callable[[], RobotState | None]
 READY = Readiness(True, "ready", "ready: waiting to be engaged", False)
@@ -46,7 +40,7 @@ DEAD = "the robot's driver has ended: exit code 1; reset it, then engage"
 def anothers() -> RobotState:
     """Somebody else operates."""
     now = scene.state(ENGAGED, "ok", "the arm follows the hand")
-    return replace(now, lease=LeaseState(6, "berta", 99, now.t_ns + 5 * 10**9, None))
+    return replace(now, lease=LeaseState(6, "berta", 99, now.t_ns + 5 * NS_PER_S, None))
 
 
 STATES: dict[str, State] = {
@@ -55,19 +49,19 @@ STATES: dict[str, State] = {
         scene.state, ENGAGED, "outside_box", "the hand asks for 45 mm beyond the workspace: the tool stays at its edge"
     ),
     "holding": partial(
-        scene.state, HOLDING, "lost", "the hand is lost: no hand is seen: hold it up before all cameras"
+        scene.state, SessionState.HOLDING, "lost", "the hand is lost: no hand is seen: hold it up before all cameras"
     ),
     "ready": partial(scene.state, DISENGAGED, "ready", "ready: waiting to be engaged", readiness=READY),
     "stopped": partial(
         scene.state, DISENGAGED, "stopped", STOPPED, readiness=Readiness(False, "stopped", STOPPED, False)
     ),
-    "fault": partial(scene.state, FAULT, "fault", DEAD, readiness=Readiness(False, "fault", DEAD, False)),
+    "fault": partial(scene.state, SessionState.FAULT, "fault", DEAD, readiness=Readiness(False, "fault", DEAD, False)),
     "another operates": anothers,
     "no robot": lambda: None,
 }
 
 
-class Shown:
+class StagedPage:
     """The page of a console without sites, told a state over and over."""
 
     def __init__(self, console: BareConsole) -> None:
@@ -84,7 +78,7 @@ class Shown:
     def tell(self, state: RobotState | None) -> None:
         """A state with a hand and all pictures; without a state the remote site is not there."""
         self._seq += 1
-        self._console.feed(partial(Hub.hand, hand=_hand()))
+        self._console.feed(partial(Hub.hand, hand=scene.hand()))
         for name, jpeg in self._own.items():
             self._give_picture(Hub.preview, name, jpeg)
         if state is None:
@@ -94,12 +88,8 @@ class Shown:
             self._give_picture(Hub.camera, name, jpeg)
 
     def _give_picture(self, take: Callable[..., None], name: str, jpeg: bytes) -> None:
-        frame: VideoFrame = scene.picture(name, self._seq, jpeg, CameraStatus.LIVE)
+        frame = scene.picture(name, self._seq, jpeg)
         self._console.feed(lambda hub: take(hub, frame))
-
-
-def _hand() -> HandArm:
-    return scene.hand()
 
 
 def take(folder: Path) -> list[Path]:
@@ -113,7 +103,7 @@ def _of_state(browser: Any, folder: Path, name: str, state: State) -> list[Path]
     """One state at all sizes, on a page of its own: what came before is not in its events."""
     files = []
     with BareConsole() as console:
-        shown = Shown(console)
+        shown = StagedPage(console)
         page = browser.new_context().new_page()
         page.goto(console.address)
         shown.describe()
@@ -129,7 +119,7 @@ def _of_state(browser: Any, folder: Path, name: str, state: State) -> list[Path]
     return files
 
 
-def _let_settle(page: Any, shown: Shown, state: State) -> None:
+def _let_settle(page: Any, shown: StagedPage, state: State) -> None:
     until = time.monotonic() + SHOWN_S
     while time.monotonic() < until:
         shown.tell(state())

@@ -56,7 +56,7 @@ def judge(found: Sequence[Found], truth: Sequence[ArmTruth], needed: Sequence[st
         "frames": float(len(after)),
         "frames without result": float(sum(any(name not in f.points for name in needed) for f in after)),
     }
-    whole |= rotation_figures(after, truth[SETTLED:])
+    whole |= _rotation_figures(after, truth[SETTLED:])
     if found[-1].toggles is not None:
         whole |= {"toggles": float(found[-1].toggles), "true toggles": float(openings(truth))}
     points = {point: _judge_point(point, after, truth[SETTLED:]) for point in POINTS}
@@ -69,7 +69,13 @@ def flat(figures: TrackingFigures) -> dict[str, float]:
     return {name: value for name, value in {**figures.whole, **of_points}.items() if np.isfinite(value)}
 
 
-def rotation_figures(found: Sequence[Found], truth: Sequence[ArmTruth]) -> dict[str, float]:
+def openings(truth: Sequence[ArmTruth]) -> int:
+    """How often the hand opens."""
+    is_open = [t.hand_open for t in truth]
+    return sum(now and not before for before, now in zip([False, *is_open], is_open, strict=False))
+
+
+def _rotation_figures(found: Sequence[Found], truth: Sequence[ArmTruth]) -> dict[str, float]:
     """How far the hand's frame is turned from the true one in deg, after a constant offset, while it turns the tool."""
     offsets = []
     for each, true in zip(found, truth, strict=True):
@@ -84,12 +90,6 @@ def rotation_figures(found: Sequence[Found], truth: Sequence[ArmTruth]) -> dict[
     rotations = Rotation.from_matrix(np.array(offsets))
     deg = np.degrees((rotations.mean().inv() * rotations).magnitude())
     return {"rotation mean deg": float(np.mean(deg)), "rotation p95 deg": float(np.percentile(deg, 95))}
-
-
-def openings(truth: Sequence[ArmTruth]) -> int:
-    """How often the hand opens."""
-    is_open = [t.hand_open for t in truth]
-    return sum(now and not before for before, now in zip([False, *is_open], is_open, strict=False))
 
 
 def _judge_point(point: str, found: Sequence[Found], truth: Sequence[ArmTruth]) -> dict[str, float]:

@@ -15,7 +15,7 @@ import numpy as np
 from bench.tracking.scenes import RECORDINGS
 from common.cameras.sources import open_camera
 from common.geometry import Array
-from common.messages.hand import TrackingStatus
+from common.messages.hand import FOUND, TrackingStatus
 from farhand.tracking.recorded_pairs import RecordedPairs
 from local_site.calibration.control_points import ControlPoints
 from local_site.calibration.rig import Rig
@@ -30,7 +30,6 @@ REACH_M, POINTS_A_SIDE = 0.45, 7  # of the points for the calibration, around wh
 SQUARE_M = 0.043  # of the chessboard, in whose squares the calibration is
 BEFORE_HAND = 13  # pairs in which a picture does not show the whole hand yet
 LABELLED = {"index": "index_tip", "thumb": "thumb_tip", "wrist": "wrist"}
-WITH_POINTS = (TrackingStatus.TRACKED, TrackingStatus.DEGRADED)
 
 Labels = dict[str, dict[str, dict[str, list[float] | None]]]
 
@@ -106,7 +105,7 @@ def _pairs(folder: Path) -> Iterator[Views]:
 
 
 def _statuses(estimates: Sequence[ArmEstimate]) -> dict[str, float]:
-    with_points = sum(e.status in WITH_POINTS and e.index is not None for e in estimates)
+    with_points = sum(e.status in FOUND and e.index is not None for e in estimates)
     tracked = sum(e.status is TrackingStatus.TRACKED for e in estimates)
     return {
         "pairs with the whole hand in both views": float(len(estimates)),

@@ -17,6 +17,9 @@ class TrackingStatus(StrEnum):
     LOST = "lost"
 
 
+FOUND = (TrackingStatus.TRACKED, TrackingStatus.DEGRADED)  # with points that may be used
+
+
 class HandPoint(StrEnum):
     """Which point of the hand the tool copies; only the tracker of one camera measures the palm."""
 

@@ -34,7 +34,7 @@ JOIN_S = 1.0
 NARROW = "not counted since the link was narrow: counting takes as much of it as a page"
 
 
-class Watch:
+class StatusWatch:
     """Keeps what is received of a cell, a thread for each channel, until the stack closes its links."""
 
     def __init__(self, config: ConsoleConfig, stack: ExitStack) -> None:
@@ -100,7 +100,7 @@ def show_status(config: ConsoleConfig, should_stop: StopFlag, console: Console, 
     TransportError, which says what to check, when no site has answered in five seconds.
     """
     with ExitStack() as stack:
-        watch = Watch(config, stack)
+        watch = StatusWatch(config, stack)
         _await_state(watch, should_stop, pictures=pictures)
         if once or not console.is_terminal:
             _show_once(watch, should_stop, console, pictures=pictures)
@@ -108,7 +108,7 @@ def show_status(config: ConsoleConfig, should_stop: StopFlag, console: Console, 
             _show_live(watch, should_stop, console, pictures=pictures)
 
 
-def _await_state(watch: Watch, should_stop: StopFlag, *, pictures: bool) -> None:
+def _await_state(watch: StatusWatch, should_stop: StopFlag, *, pictures: bool) -> None:
     deadline = time.monotonic() + PATIENCE_S
     while watch.seen.state is None:
         if should_stop():
@@ -124,7 +124,7 @@ def _await_state(watch: Watch, should_stop: StopFlag, *, pictures: bool) -> None
         should_stop.wait(REFRESH_S)
 
 
-def _show_once(watch: Watch, should_stop: StopFlag, console: Console, *, pictures: bool) -> None:
+def _show_once(watch: StatusWatch, should_stop: StopFlag, console: Console, *, pictures: bool) -> None:
     """After as long as rates are measured over."""
     deadline_ns = time.monotonic_ns() + OVER_NS
     while time.monotonic_ns() < deadline_ns and not should_stop():
@@ -141,7 +141,7 @@ def _show_once(watch: Watch, should_stop: StopFlag, console: Console, *, picture
         say(line)
 
 
-def _show_live(watch: Watch, should_stop: StopFlag, console: Console, *, pictures: bool) -> None:
+def _show_live(watch: StatusWatch, should_stop: StopFlag, console: Console, *, pictures: bool) -> None:
     software, title = version("farhand"), f"cell {watch.seen.cell}, live; Ctrl-C ends this"
     with Live(console=console, auto_refresh=False) as live:
         while not should_stop():

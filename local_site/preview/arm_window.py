@@ -16,7 +16,7 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class PictureBox:
     """A rectangle in a picture, in fractions of the picture's width and height from its upper left corner."""
 
     left: float
@@ -25,7 +25,7 @@ class Box:
     bottom: float
 
 
-WHOLE = Box(0.0, 0.0, 1.0, 1.0)
+WHOLE = PictureBox(0.0, 0.0, 1.0, 1.0)
 
 
 class ArmWindow:
@@ -37,7 +37,7 @@ class ArmWindow:
         self._evidence = 0.0
         self._t_ns: int | None = None
 
-    def at(self, t_ns: int, arm: Box | None) -> Box:
+    def at(self, t_ns: int, arm: PictureBox | None) -> PictureBox:
         """The part at an instant, with the box of the arm in the picture, or None while none is tracked."""
         elapsed_s = 0.0 if self._t_ns is None else max(0.0, (t_ns - self._t_ns) / NS_PER_S)
         self._t_ns = t_ns
@@ -59,33 +59,33 @@ class ArmWindow:
             self._is_near = self._evidence == 1.0
 
 
-def _suits(part: Box, arm: Box) -> bool:
+def _suits(part: PictureBox, arm: PictureBox) -> bool:
     """Whether a part may stay: the arm is well inside, as far as the picture goes, and not small in it."""
     near, chosen = _grown(arm, LEAST_MARGIN), _around(_grown(arm, MARGIN))
     outside = max(part.left - near.left, part.top - near.top, near.right - part.right, near.bottom - part.bottom)
     return outside < ROUNDING and part.right - part.left <= LARGEST_EXCESS * (chosen.right - chosen.left)
 
 
-def _grown(box: Box, margin: float) -> Box:
+def _grown(box: PictureBox, margin: float) -> PictureBox:
     """The box with a margin on each side that the picture has."""
     left, top = max(0.0, box.left - margin), max(0.0, box.top - margin)
-    return Box(left, top, min(1.0, box.right + margin), min(1.0, box.bottom + margin))
+    return PictureBox(left, top, min(1.0, box.right + margin), min(1.0, box.bottom + margin))
 
 
-def _around(box: Box) -> Box:
+def _around(box: PictureBox) -> PictureBox:
     """The smallest permitted part with a box of the picture in its middle, or as near to that as the picture allows."""
     side = max(box.right - box.left, box.bottom - box.top, LEAST_SIDE)
     left = min(max((box.left + box.right - side) / 2, 0.0), 1.0 - side)
     top = min(max((box.top + box.bottom - side) / 2, 0.0), 1.0 - side)
-    return Box(left, top, left + side, top + side)
+    return PictureBox(left, top, left + side, top + side)
 
 
-def _union(a: Box, b: Box) -> Box:
-    return Box(min(a.left, b.left), min(a.top, b.top), max(a.right, b.right), max(a.bottom, b.bottom))
+def _union(a: PictureBox, b: PictureBox) -> PictureBox:
+    return PictureBox(min(a.left, b.left), min(a.top, b.top), max(a.right, b.right), max(a.bottom, b.bottom))
 
 
-def _between(a: Box, b: Box, share: float) -> Box:
+def _between(a: PictureBox, b: PictureBox, share: float) -> PictureBox:
     def mix(start: float, end: float) -> float:
         return start + share * (end - start)
 
-    return Box(mix(a.left, b.left), mix(a.top, b.top), mix(a.right, b.right), mix(a.bottom, b.bottom))
+    return PictureBox(mix(a.left, b.left), mix(a.top, b.top), mix(a.right, b.right), mix(a.bottom, b.bottom))

@@ -5,12 +5,11 @@ from dataclasses import fields
 import numpy as np
 
 from common.geometry import Array
-from common.messages.hand import TrackingStatus
-from local_site.preview.arm_window import WHOLE, ArmWindow, Box
+from common.messages.hand import FOUND
+from local_site.preview.arm_window import WHOLE, ArmWindow, PictureBox
 from local_site.preview.view_part import ViewPart
 from local_site.tracking.tracker import ArmEstimate, Overlay
 
-FOUND = (TrackingStatus.TRACKED, TrackingStatus.DEGRADED)
 PART_WIDTH = 2 / 3  # of the whole picture as it is sent: as wide a part may be sent, where the camera has the pixels
 
 
@@ -36,7 +35,7 @@ class Cropping:
         return ViewPart(left, top, across, down, min(across, sent_width))
 
 
-def arm_box(estimate: ArmEstimate, view: int, width: int, height: int) -> Box | None:
+def arm_box(estimate: ArmEstimate, view: int, width: int, height: int) -> PictureBox | None:
     """What was found of the arm within a picture of this size in px; None where no arm is tracked in this view."""
     if estimate.status not in FOUND or view >= len(estimate.overlays):
         return None
@@ -47,4 +46,4 @@ def arm_box(estimate: ArmEstimate, view: int, width: int, height: int) -> Box | 
     if not ((points >= 0) & (points <= 1)).all(axis=1).any():
         return None
     corners = np.clip([points.min(axis=0), points.max(axis=0)], 0.0, 1.0)
-    return Box(*corners.ravel().tolist())
+    return PictureBox(*corners.ravel().tolist())

@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 
 from common.clock import NS_PER_MS
-from common.messages.hand import TrackingStatus
-
-SEEN = (TrackingStatus.TRACKED, TrackingStatus.DEGRADED)
+from common.messages.hand import FOUND, TrackingStatus
 
 
 @dataclass(slots=True)
@@ -19,7 +17,7 @@ class SampleTally:
     def note(self, status: TrackingStatus, age_ns: int) -> None:
         """Count a sample that was sent, this long after its exposure."""
         self.sent += 1
-        if status in SEEN:
+        if status in FOUND:
             self.seen += 1
             self.oldest_ns = max(self.oldest_ns, age_ns)
 

@@ -6,6 +6,7 @@ from itertools import count
 from typing import Any
 
 PATIENCE_S = 30.0
+FOLLOWING = ("engaged", "limited", "behind", "led")
 STAMPS = (
     "() => [...document.querySelectorAll('#cameras .view > canvas:first-child')].map((canvas) => canvas.toDataURL())"
 )
@@ -49,6 +50,11 @@ class OpenedPage:
         """The state's word, in small letters."""
         return self.words("#state-word").lower()
 
+    @property
+    def follows(self) -> bool:
+        """Whether the arm follows, at a limit or behind the hand too."""
+        return self.page.get_attribute("#state", "data-state") in FOLLOWING
+
     def marks(self) -> list[str]:
         """What the views of the cell are marked as."""
         return list(self.page.eval_on_selector_all("#cameras .view", "(views) => views.map((v) => v.dataset.mark)"))
@@ -88,9 +94,7 @@ class OpenedPage:
         """Wait until only the key is missing."""
         operating = "you operate"
         self.wait_for("the controls", lambda: operating in self.words("#seat"))
-        self.wait_for(
-            "readiness", lambda: self.state() == "engaged" or "waiting to be engaged" in self.words("#reason")
-        )
+        self.wait_for("readiness", lambda: self.follows or "waiting to be engaged" in self.words("#reason"))
 
     def hold(self, until: Callable[[], bool] | None = None) -> None:
         """Hold the space bar until the arm follows, or longer.
@@ -105,13 +109,13 @@ class OpenedPage:
 
     def _pressed_anew(self, tries: Iterator[int]) -> bool:
         """Whether the arm follows; if not, press the key again, and give it longer each time."""
-        if self.state() in ("engaged", "holding"):
-            return self.state() == "engaged"
+        if self.follows or self.state() == "holding":
+            return self.follows
         self.page.keyboard.up("Space")
         self.page.wait_for_timeout(150)
         self.page.keyboard.down("Space")
         for _ in range(10 * (1 + next(tries))):
-            if self.state() == "engaged":
+            if self.follows:
                 break
             self.page.wait_for_timeout(25)
         return False

@@ -33,7 +33,7 @@ def test_words_stand_out_and_everything_has_a_name_and_room_for_a_finger(told: T
 
 def test_every_control_is_reached_by_tab_with_the_stop_first(told: Told) -> None:
     page = told.page.page
-    told.until("the controls", lambda: "you operate" in told.page.words("#seat"))
+    told.until("the controls", lambda: "you operate" in told.page.words("#seat") and page.is_visible("#hold"))
     page.evaluate("() => { const top = document.querySelector('header'); top.tabIndex = -1; top.focus(); }")
     reached = []
     for _ in range(40):

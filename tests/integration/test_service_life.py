@@ -28,7 +28,7 @@ def test_figures_are_served_and_the_site_goes_on_when_they_die(pair: Pair) -> No
 
 
 def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_nothing(pair: Pair) -> None:
-    processes = pair.following()
+    _, local = processes = pair.following()
     sites = pair.sites
     started = [p for site in processes for p in (site.pid, *descendants(site.pid))]
     for site in processes:
@@ -43,8 +43,9 @@ def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_
     assert not [line for site in processes for line in site.lines if "fault" in line and "faults: 0" not in line]
     for site in processes:
         said = [line for line in site.lines if "event=summary" in line]
-        assert 2 <= len(said) <= 5
-        assert any(re.search(r'run="[\d.]+ s, (engaged (once|\d+ times) for|never engaged)', line) for line in said)
+        engaged = any(re.search(r'run=".* engaged (once|\d+ times) for ', line) for line in said)
+        assert engaged or site is local  # which may not have heard of it yet
+        assert (3 if engaged else 2) <= len(said) <= 5
         assert said[-1] in list(site.lines)[-5:]
     for site in processes:
         told = sites.systemd[site.pid].words

@@ -6,7 +6,7 @@ import { drawFixture, seenFaces } from "./fixtures.js";
 import { nearLimits } from "./joint_limits.js";
 import { frames, fromPose, origin } from "./kinematics.js";
 import { drawLimit } from "./limit_arcs.js";
-import { drawPushAt } from "./limit_arrow.js";
+import { drawPush } from "./limit_arrow.js";
 import { Pen } from "./pen.js";
 import { PostureOutline } from "./posture_outline.js";
 import { drawPlumb, drawShadows, topBelow } from "./shadows.js";
@@ -42,7 +42,7 @@ export class ArmDrawing {
       drawLimit(pen, cell, limit, found, limit.at ? tone.fault : tone.holding, tone.panel);
     }
     if (robot.target !== null) drawTarget(pen, fromPose(robot.target), tone);
-    if (push.name !== null) drawPushAt(context, sight.project, tool, push.wanted, push.name);
+    if (push.name !== null) drawPush(context, sight.project, tool, push.wanted, push.name);
   }
 }
 

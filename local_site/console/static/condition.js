@@ -37,7 +37,7 @@ export function conditionOf(robot, settings, operator, said) {
 }
 
 /** Whether somebody else may operate; without a hand from the local site its session is not known, but the name is. */
-export function isAnothers(lease, operator) {
+function isAnothers(lease, operator) {
   return lease !== null && !lease.ours && (lease.holder !== operator || lease.local_known);
 }
 

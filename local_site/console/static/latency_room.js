@@ -72,6 +72,7 @@ export class LatencyRoom {
 
   #draw(nowMs) {
     const { width, height } = sized(this.#canvas, this.#context);
+    if (width === 0) return; // folded away
     const tone = tones("edge", "faint", ...Object.values(INTERVALS).map(([, name]) => name));
     const most = niceCeiling(Math.max(10, ...this.#highest));
     this.#context.clearRect(0, 0, width, height);
@@ -87,8 +88,8 @@ export class LatencyRoom {
     this.#context.fillStyle = tone.faint;
     this.#context.strokeStyle = tone.edge;
     this.#context.lineWidth = 1;
-    this.#context.font = "10px sans-serif";
-    this.#context.fillText(`${most} ms`, 2, 9);
+    this.#context.font = "12px sans-serif";
+    this.#context.fillText(`${most} ms`, 2, 10);
     this.#context.strokeRect(0.5, 11.5, width - 1, height - 12);
   }
 

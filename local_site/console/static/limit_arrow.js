@@ -6,23 +6,20 @@ const LEAST_PUSH_M = 0.004; // a limit of the orientation alone has no direction
 const HEAD_PX = 13;
 const TONES = [["#000000c0", 9], ["#f5b935", 5]];
 
-/** The arrow's tip (m) for a tool and where the hand wants it; null where the hand pushes in no direction. */
-export function pushOf(tool, wanted) {
-  const push = distance(tool, wanted);
-  return push < LEAST_PUSH_M ? null : tool.map((v, axis) => v + (LONG_M * (wanted[axis] - v)) / push);
-}
-
-/** Draw the push at a place of the base's frame; `project` gives the canvas's pixel of a point, null where it is not seen. */
-export function drawPushAt(context, project, tool, wanted, name) {
+/** Draw the push against a limit; `project` gives the canvas's pixel of a point in the base's frame, null where it is not seen. */
+export function drawPush(context, project, tool, wanted, name) {
   const at = project(tool);
-  const tip = wanted === null ? null : pushOf(tool, wanted);
-  if (at !== null) drawPush(context, at, tip === null ? null : project(tip), name);
-}
-
-/** Draw it between two pixels, and the name beside its tip; without a tip only the name, at the tool. */
-export function drawPush(context, at, tip, name) {
+  if (at === null) return;
+  const towards = wanted === null ? null : pushOf(tool, wanted);
+  const tip = towards === null ? null : project(towards);
   if (tip !== null) drawArrow(context, at, tip);
   drawName(context, tip ?? at, name);
+}
+
+/** The arrow's tip (m) for a tool and where the hand wants it; null where the hand pushes in no direction. */
+function pushOf(tool, wanted) {
+  const push = distance(tool, wanted);
+  return push < LEAST_PUSH_M ? null : tool.map((v, axis) => v + (LONG_M * (wanted[axis] - v)) / push);
 }
 
 function drawArrow(context, from, to) {
@@ -43,6 +40,8 @@ function drawArrow(context, from, to) {
 }
 
 function drawName(context, [x, y], name) {
+  context.textAlign = "left";
+  context.textBaseline = "alphabetic";
   context.font = "600 14px 'DejaVu Sans', system-ui, sans-serif";
   const { width } = context.measureText(name);
   const isRight = x + width + 24 > context.canvas.clientWidth;

@@ -1,6 +1,6 @@
 // The tool over a calibrated camera's picture: a ring where it was measured, a cross where it has been sent.
 import { fromPose, inverse, origin } from "./kinematics.js";
-import { drawPush, pushOf } from "./limit_arrow.js";
+import { drawPush } from "./limit_arrow.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
 import { sized, within } from "./surface.js";
 
@@ -32,19 +32,14 @@ export class ToolMarks {
     this.clear();
     const ring = markOf(measured, this.#camera, toolThen, width, height);
     const cross = markOf(sent, this.#camera, toolThen, width, height);
+    const project = (position) => markOf({ ...measured, position }, this.#camera, toolThen, width, height)?.at ?? null;
     within(this.#context, this.#camera, { width, height }, () => {
       if (ring && cross) this.#stroke([[ring.at, cross.at]], TONES.between, 1);
       if (ring) this.#measured(ring);
       if (cross) this.#sent(cross);
-      if (ring && limit) drawPush(this.#context, ring.at, this.#pushed(measured, wanted, toolThen, width, height), limit);
+      if (ring && limit) drawPush(this.#context, project, measured.position, wanted, limit);
     });
     this.#isDrawn = true;
-  }
-
-  /** Where the arrow's tip is on the canvas; null where there is no direction, or it is not in front of the camera. */
-  #pushed(measured, wanted, toolThen, width, height) {
-    const tip = wanted === null ? null : pushOf(measured.position, wanted);
-    return tip === null ? null : (markOf({ ...measured, position: tip }, this.#camera, toolThen, width, height)?.at ?? null);
   }
 
   clear() {

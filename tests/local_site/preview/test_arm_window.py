@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from local_site.preview.arm_window import LEAST_MARGIN, LEAST_SIDE, SETTLE_S, WHOLE, ArmWindow, Box
+from local_site.preview.arm_window import LEAST_MARGIN, LEAST_SIDE, SETTLE_S, WHOLE, ArmWindow, PictureBox
 
 FPS = 12.0
 ROUNDING = 1e-9
@@ -14,7 +14,7 @@ RNG = np.random.default_rng(3)
 
 
 def box(x, y, width=0.4, height=0.3):
-    return Box(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
+    return PictureBox(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
 
 
 def shown(arms, window=None, fps=FPS, since_s=0.0):
@@ -81,7 +81,7 @@ def test_even_a_leap_is_followed_at_once():
 
 
 @pytest.mark.parametrize(
-    "arm", [box(0.2, 0.15), box(0.8, 0.85), Box(0.0, 0.0, 1.0, 0.4), Box(0.6, 0.0, 1.0, 1.0), WHOLE]
+    "arm", [box(0.2, 0.15), box(0.8, 0.85), PictureBox(0.0, 0.0, 1.0, 0.4), PictureBox(0.6, 0.0, 1.0, 1.0), WHOLE]
 )
 def test_at_the_border_and_however_large_the_arm_the_part_stays_within_the_picture(arm):
     parts = shown([arm] * 60)
@@ -93,7 +93,7 @@ def test_any_arms_give_a_valid_part():
     window = ArmWindow()
     for k in range(2000):
         x, y = np.sort(RNG.uniform(0, 1, 2)), np.sort(RNG.uniform(0, 1, 2))
-        arm = Box(x[0], y[0], x[1], y[1]) if RNG.uniform() < 0.9 else None
+        arm = PictureBox(x[0], y[0], x[1], y[1]) if RNG.uniform() < 0.9 else None
         assert is_valid(window.at(round(k * 1e9 / FPS), arm))
 
 
@@ -106,8 +106,8 @@ def test_while_the_arm_is_well_inside_the_part_stands_still():
 
 @pytest.mark.parametrize("size", [0.2, 0.37, 0.44, 0.61, 0.7])
 def test_at_the_border_it_stands_still_too(size):
-    trembling = [Box(1.0 - size + RNG.uniform(-0.02, 0.02), 0.5, 1.0, 0.6) for _ in range(100)]
-    parts = shown(trembling, settled(Box(1.0 - size, 0.5, 1.0, 0.6)), since_s=10.0)
+    trembling = [PictureBox(1.0 - size + RNG.uniform(-0.02, 0.02), 0.5, 1.0, 0.6) for _ in range(100)]
+    parts = shown(trembling, settled(PictureBox(1.0 - size, 0.5, 1.0, 0.6)), since_s=10.0)
     assert max(abs(a.left - b.left) + abs(a.top - b.top) for a, b in pairwise(parts)) < ROUNDING
 
 

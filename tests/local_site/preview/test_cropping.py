@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from common.messages.hand import TrackingStatus
-from local_site.preview.arm_window import Box
+from local_site.preview.arm_window import PictureBox
 from local_site.preview.cropping import Cropping, arm_box
 from local_site.preview.view_part import ViewPart
 from local_site.tracking.annotate import annotate
@@ -36,11 +36,11 @@ def parts(cropping, given, width=WIDTH, height=HEIGHT, seconds=4.0):
 @pytest.mark.parametrize(
     ("overlay", "box"),
     [
-        (BARE_ARM, Box(0.4, 0.25, 0.6, 0.5)),
-        (MARKERS, Box(0.4, 0.3, 0.5, 0.5)),
-        (MONOCULAR, Box(0.2, 0.1, 0.6, 0.7)),
-        (Overlay(wrist=np.array([320.0, 240.0]), elbow=np.array([900.0, 240.0])), Box(0.5, 0.5, 1.0, 0.5)),
-        (Overlay(wrist=np.array([320.0, 240.0]), elbow=np.array([np.nan, 240.0])), Box(0.5, 0.5, 0.5, 0.5)),
+        (BARE_ARM, PictureBox(0.4, 0.25, 0.6, 0.5)),
+        (MARKERS, PictureBox(0.4, 0.3, 0.5, 0.5)),
+        (MONOCULAR, PictureBox(0.2, 0.1, 0.6, 0.7)),
+        (Overlay(wrist=np.array([320.0, 240.0]), elbow=np.array([900.0, 240.0])), PictureBox(0.5, 0.5, 1.0, 0.5)),
+        (Overlay(wrist=np.array([320.0, 240.0]), elbow=np.array([np.nan, 240.0])), PictureBox(0.5, 0.5, 0.5, 0.5)),
         (Overlay(wrist=np.array([-320.0, 240.0])), None),
         (Overlay(wrist=np.array([np.nan, np.inf])), None),
         (Overlay(contour=np.empty((0, 2), np.int32)), None),
