@@ -7,7 +7,7 @@ control    what a control tick costs, from decoding to writing, beside Pink's in
 fuzz       a million hostile payloads for the codec: the reasons of the refusals, payloads per second, growth of memory
 monocular  the monocular tracker: error against the number of points per link, and time per frame
 mutants    small changes to the code that decides about motion: how many a test notices
-page       the operator's page in Chromium: glass-to-glass latency, narrow links, from the stop key to rest
+page       the operator's page in Chromium: from glass to glass, on one machine and on split cores, beside a bare page
 recording  a recording of an hour: time to open it, to seek in it, to repair it; bytes a minute as JPEG and H.264
 rendering  time to render a stereo pair of the simulated operator and the views of the cell, and their size as JPEG
 soak       ten minutes of simulated time in which everything goes wrong: the worst that each driver received
@@ -32,7 +32,7 @@ from rich.table import Table
 from bench import cells, fuzz, rendering
 from bench.control import tick as control
 from bench.mutants import run as mutants
-from bench.page import glass_to_glass as page
+from bench.page import run as page
 from bench.recording import run as recording
 from bench.soak import run as soak
 from bench.tracking import comparison as tracking

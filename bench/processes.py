@@ -53,9 +53,37 @@ def memory_mb(pid: int) -> float:
 
 def child_of(pid: int, name: str) -> int:
     """The child process of this name; ProcessError without one."""
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdecimal():
-            fields = (entry / "stat").read_text(encoding="utf-8").rpartition(")")
-            if fields[2].split()[1] == str(pid) and fields[0].endswith(f"({name}"):
-                return int(entry.name)
+    for child in children(pid):
+        if name_of(child) == name:
+            return child
     raise ProcessError(f"process {pid} has no child {name}")
+
+
+def name_of(pid: int) -> str:
+    """The name that a process goes by."""
+    return Path(f"/proc/{pid}/comm").read_text(encoding="utf-8").strip()
+
+
+def children(pid: int) -> list[int]:
+    """The processes that a process has started and that run."""
+    return [int(entry.name) for entry in Path("/proc").iterdir() if entry.name.isdecimal() and _parent(entry) == pid]
+
+
+def family(pid: int) -> list[int]:
+    """A process, its children, and theirs."""
+    return [pid, *(each for child in children(pid) for each in family(child))]
+
+
+def keep_on_core(pid: int, core: int) -> None:
+    """Let all threads of a process and of its children run on one processor core alone."""
+    for each in family(pid):
+        for thread in Path(f"/proc/{each}/task").iterdir():
+            os.sched_setaffinity(int(thread.name), {core})
+
+
+def _parent(entry: Path) -> int | None:
+    """The process that has started this one; None where it has just ended."""
+    try:
+        return int((entry / "stat").read_text(encoding="utf-8").rpartition(")")[2].split()[1])
+    except OSError:
+        return None

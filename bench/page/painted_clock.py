@@ -4,10 +4,10 @@ import time
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from bench.page.chromium import Tab
 from common.clock import NS_PER_MS
 from remote_site.video.streaming.clock_strip import WRAP_MS, read_clock
 
@@ -25,8 +25,8 @@ class PageClock:
     uncertainty_ms: float
 
 
-def compare(page: Any) -> PageClock:
-    """Ask a playwright page for its time; of many answers the quickest counts."""
+def compare(page: Tab) -> PageClock:
+    """Ask a page for its time; of many answers the quickest counts."""
     best = PageClock(0.0, float("inf"))
     for _ in range(TRIPS):
         before_ms = time.monotonic_ns() / NS_PER_MS
@@ -37,12 +37,12 @@ def compare(page: Any) -> PageClock:
     return best
 
 
-def watch(page: Any) -> None:
+def watch(page: Tab) -> None:
     """Start to record what each view shows at every frame of the browser."""
     page.evaluate(f"({WATCH.strip().rstrip(';')})()")
 
 
-def ages_ms(page: Any, clock: PageClock) -> dict[str, list[float]]:
+def ages_ms(page: Tab, clock: PageClock) -> dict[str, list[float]]:
     """Recorded since the last call: the ages of the pictures of each view when they were first seen, ms."""
     found = defaultdict(list)
     for view, page_ms, cells in page.evaluate("window.paintedClocks.splice(0)"):

@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from msgspec.structs import replace
+from playwright.sync_api import sync_playwright
 
 from bench.page import scene
 from bench.page.bare_console import BareConsole
-from bench.page.glass_to_glass import rendered
-from bench.page.stand import browsing
+from bench.page.bare_page import rendered
+from bench.page.chromium import CHROMIUM
 from common.clock import NS_PER_S
 from common.messages.robot import LeaseState, Readiness, RobotState, SessionState
 from local_site.console.hub import Hub
@@ -95,8 +96,11 @@ class StagedPage:
 def take(folder: Path) -> list[Path]:
     """Take all pictures; the files written."""
     folder.mkdir(parents=True, exist_ok=True)
-    with browsing() as browser:
-        return [path for name, state in STATES.items() for path in _of_state(browser, folder, name, state)]
+    with sync_playwright() as running:
+        browser = running.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+        files = [path for name, state in STATES.items() for path in _of_state(browser, folder, name, state)]
+        browser.close()
+    return files
 
 
 def _of_state(browser: Any, folder: Path, name: str, state: State) -> list[Path]:

@@ -1,42 +1,18 @@
-"""Both sites and a console as processes, and a browser with the page open, for end-to-end measurements."""
+"""Both sites and a console as processes, for end-to-end measurements of the page."""
 
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 from common.errors import ProcessError
 from common.link.transport import open_link
 from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.site_process import SiteProcess, free_ports, listens, start_site
 
-CHROMIUM = "/usr/bin/chromium"
-QUIET = ("--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-sync")
-SIZE = {"width": 1280, "height": 720}
 CELL = "bench"
 PATIENCE_S = 120.0
-
-
-@contextmanager
-def browsing() -> Iterator[Any]:
-    """Debian's chromium, without a window; ProcessError where there is none."""
-    if not Path(CHROMIUM).exists():
-        raise ProcessError("no chromium to open the page in; on Debian: apt-get install chromium")
-    from playwright.sync_api import sync_playwright  # noqa: PLC0415  # only who measures the page needs a browser
-
-    with sync_playwright() as running:
-        chromium = running.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
-        yield chromium
-        chromium.close()
-
-
-def opened(browser: Any, address: str) -> Any:
-    """The page, in a tab of its own."""
-    page = browser.new_context(viewport=SIZE).new_page()
-    page.goto(address)
-    return page
 
 
 def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lambda: time.sleep(0.05)) -> None:
@@ -49,7 +25,7 @@ def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lam
 
 
 class PageStand:
-    """The sites with the simulated arm following, and a record of their messages; they stream at `video_port`."""
+    """A remote site with the simulated cell, and a record of its messages; it streams at `video_port`."""
 
     def __init__(self, stack: ExitStack, *settings: str) -> None:
         control, self.video_port, local = free_ports(3)
@@ -59,9 +35,12 @@ class PageStand:
         video = f"tcp/127.0.0.1:{self.video_port}"
         remote = (f"links.control={self._control}", f"links.video={video}", "video.clock=true", *settings)
         self.remote = self._start("remote", *remote)
-        link = stack.enter_context(open_link(connect=(self._control, self._local)))
+        link = stack.enter_context(open_link(connect=(self._control,)))
         self.record: Record = Recorder(link, link, CELL, ()).record
         wait("the remote site", lambda: bool(self.record.states))
+
+    def follow(self) -> None:
+        """Start a local site whose simulated hand the arm follows, and wait for its lease."""
         self._start(
             "local",
             f"links.remote={self._control}",

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bench.page import scene
-from bench.page.bare_console import OPERATOR
+from bench.page.bare_console import OPERATOR, BareConsole
 from bench.page.painted_clock import ages_ms, compare, watch
 from common.clock import NS_PER_MS
 from common.messages.robot import (
@@ -24,6 +24,7 @@ from common.messages.robot import (
 from common.messages.video import CameraStatus, VideoFrame
 from remote_site.video.streaming.clock_strip import draw_clock
 from remote_site.video.streaming.pictures import encode_jpeg
+from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told
 
 OPEN, CLOSED, KEEP = GripperCommand.OPEN, GripperCommand.CLOSED, GripperCommand.KEEP
@@ -315,6 +316,28 @@ def test_a_view_of_the_operator_that_is_missing_keeps_no_old_picture(told: Told)
     told.shot("no_camera")
     told.troubles = {}
     told.until("a picture again", lambda: told.page.words("#previews").startswith("live"))
+
+
+def test_a_picture_has_no_more_pixels_than_the_screen_shows_of_it(told: Told) -> None:
+    told.until("live views", lambda: set(told.page.marks()) == {"live"})
+    sizes = "() => ((c) => [c.width, c.height, c.clientWidth, c.clientHeight])(document.querySelector('#cameras canvas'))"
+    width, height, shown_width, shown_height = told.page.page.evaluate(sizes)
+    assert width < scene.SIZE[1]  # four views on a screen of 1280 x 720
+    assert min(shown_width / width, shown_height / height) == pytest.approx(1.0, abs=0.01)
+    assert width / height == pytest.approx(scene.SIZE[1] / scene.SIZE[0], abs=0.01)
+    told.page.page.keyboard.press("1")
+    told.until("all pixels", lambda: told.page.page.evaluate(sizes)[:2] == [scene.SIZE[1], scene.SIZE[0]])
+
+
+def test_a_browser_that_decodes_no_jpeg_from_memory_paints_it_too(browser: object) -> None:
+    with BareConsole() as console:
+        page = OpenedPage(browser, "about:blank")
+        page.context.add_init_script("delete window.ImageDecoder")
+        page.page.goto(console.address)
+        told = Told(console, page)
+        told.describe()
+        told.until("live views", lambda: set(page.marks()) == {"live"})
+        page.close()
 
 
 def test_a_key_whose_beats_all_come_too_late_holds_nothing_and_the_page_says_so(told: Told) -> None:

@@ -2,7 +2,9 @@
 import { AssistMarks } from "./assist_marks.js";
 import { ageWords, judge } from "./freshness.js";
 import { Ghost } from "./ghost.js";
+import { decodedJpeg } from "./jpeg.js";
 import { parsePicture } from "./picture.js";
+import { PictureCanvas } from "./picture_canvas.js";
 import { ToolMarks } from "./tool_marks.js";
 import { mark as setMark, put } from "./words.js";
 
@@ -17,8 +19,7 @@ export class View {
   #h264;
   #isOfOperator;
   #isMissed = false;
-  #canvas = document.createElement("canvas");
-  #context = this.#canvas.getContext("2d", { alpha: false, desynchronized: true });
+  #canvas = new PictureCanvas();
   #fresh = document.createElement("span");
   #mark = document.createElement("div");
   #title = document.createElement("b");
@@ -49,12 +50,12 @@ export class View {
     this.#fresh.className = "fresh";
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
-    this.element.append(this.#canvas, this.#overlay, this.#toolCanvas, this.#assistCanvas, this.#mark, label, this.#fresh);
+    this.element.append(this.#canvas.element, this.#overlay, this.#toolCanvas, this.#assistCanvas, this.#mark, label, this.#fresh);
     this.refresh();
   }
 
   get picture() {
-    return this.#canvas;
+    return this.#canvas.element;
   }
 
   get overlay() {
@@ -107,10 +108,10 @@ export class View {
     return true;
   }
 
-  /** The decoded picture: an ImageBitmap, or a VideoFrame that the worker hands over; null where it cannot be decoded. */
+  /** The decoded picture: a VideoFrame or an ImageBitmap; null where it cannot be decoded. */
   #decoded(header, bytes, offset) {
     this.#isMissed = header.codec === "h264" && !this.#h264.supported;
-    if (header.codec === "jpeg") return createImageBitmap(new Blob([new Uint8Array(bytes, offset)], { type: "image/jpeg" }));
+    if (header.codec === "jpeg") return decodedJpeg(bytes, offset);
     return this.#h264.decode(header.view, header.key, bytes, offset);
   }
 
@@ -118,16 +119,11 @@ export class View {
   #forget() {
     this.#newest = null;
     this.#times = [];
-    this.#context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
+    this.#canvas.clear();
   }
 
   #paint(picture, header) {
-    const [width, height] = [picture.displayWidth ?? picture.width, picture.displayHeight ?? picture.height];
-    if (this.#canvas.width !== width || this.#canvas.height !== height) {
-      this.#canvas.width = width;
-      this.#canvas.height = height;
-    }
-    this.#context.drawImage(picture, 0, 0);
+    this.#canvas.paint(picture);
     const nowMs = this.#clock.now();
     const ageMs = nowMs === null || header.capture_ms === null ? null : nowMs - header.capture_ms;
     this.#newest = { seq: header.seq, captureMs: header.capture_ms, unsureMs: header.unsure_ms ?? 0, ageMs };

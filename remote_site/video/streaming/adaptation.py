@@ -21,12 +21,13 @@ SENDING_NS = NS_PER_S
 FLOOR_BYTES_PER_S = 500.0
 OLDER_CONSOLES = 16
 PAINTS = 0.85  # of what comes: a page that paints less is behind
-BEHIND_MS = 100.0  # and so is one that paints this much later than the pictures come
+BEHIND_MS = 40.0  # and so is one that paints this much later than it has of late
+PROMPT_MS = 60.0  # one that has never painted earlier than this is behind too
 BEHIND_REPORTS = 3
-REDUCED = 0.9  # of what it paints while it is behind
+REDUCED = 0.85  # of what it paints while it is behind
 SETTLE_NS = 1500 * NS_PER_MS  # rates are counted over a second
-CAUTION = 0.8, 1.3  # of the rate at which it last fell behind: between these the rate grows slowly
-GROWTH_PER_S, CAUTIOUS_GROWTH_PER_S = 1.6, 1.06
+CAUTION = 0.7, 1.3  # of the rate at which it last fell behind: between these the rate grows slowly
+GROWTH_PER_S, CAUTIOUS_GROWTH_PER_S = 1.6, 1.04
 LEAST_FPS = 5.0
 
 
@@ -39,6 +40,7 @@ class PageRate:
     def __init__(self) -> None:
         self.fps: float | None = None
         self._behind_reports = 0
+        self._least_lag_ms = Least()
         self._settled_ns = 0
         self._report_ns = 0
         self._too_much_fps = 0.0
@@ -48,7 +50,8 @@ class PageRate:
         passed_ns, self._report_ns = min(now_ns - self._report_ns, NS_PER_S), now_ns
         painted, came = (statistics.fmean(rates) for rates in zip(*((v.fps, v.came.fps) for v in views), strict=True))
         lag_ms = statistics.median(view.age_ms - view.came.age_ms for view in views)
-        behind = painted < PAINTS * came or lag_ms > BEHIND_MS
+        prompt_ms = min(PROMPT_MS, self._least_lag_ms.see(lag_ms, now_ns))
+        behind = painted < PAINTS * came or lag_ms > prompt_ms + BEHIND_MS
         self._behind_reports = self._behind_reports + 1 if behind else 0
         if now_ns < self._settled_ns:
             return

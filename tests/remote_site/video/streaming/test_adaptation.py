@@ -241,6 +241,14 @@ def test_a_page_that_paints_late_gets_fewer_pictures():
     assert (setting.quality, setting.scale) == (80, 1.0)
 
 
+def test_a_page_that_paints_later_than_it_did_gets_fewer_pictures():
+    """Whatever it has always taken, as on a slow screen, is no reason."""
+    as_ever = {camera: lambda _k: view(_k, 50.0, lag_ms=55.0) for camera in FULL_BYTES}
+    assert setting_after(as_ever).fps == 30.0
+    later = {camera: lambda k: view(k, 50.0, lag_ms=20.0 if k < 15 else 65.0) for camera in FULL_BYTES}
+    assert setting_after(later).fps < 30.0
+
+
 @pytest.mark.parametrize("holds_bytes", [400_000, 200_000])
 def test_a_link_that_loses_what_it_cannot_hold_is_adapted_to_as_well(holds_bytes):
     run = StreamRun(CONFIG, pictures(), 5.0)
