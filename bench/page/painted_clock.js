@@ -5,6 +5,7 @@
   const last = new Map();
   const painted = new Set();
   window.paintedClocks = [];
+  window.paintedPictures = 0; // of all views, the operator's too
   const look = () => {
     for (const canvas of painted) {
       const view = canvas.closest("#cameras .view");
@@ -22,6 +23,7 @@
   const draw = CanvasRenderingContext2D.prototype.drawImage;
   CanvasRenderingContext2D.prototype.drawImage = function (...given) {
     draw.apply(this, given);
+    if (this.canvas.closest?.(".view") && given[0] instanceof VideoFrame) window.paintedPictures += 1;
     if (painted.size === 0) requestAnimationFrame(look);
     painted.add(this.canvas);
   };

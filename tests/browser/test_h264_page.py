@@ -17,7 +17,8 @@ KEEP_PAINTED = """() => {
   CanvasRenderingContext2D.prototype.drawImage = function (...given) {
     draw.apply(this, given);
     const name = this.canvas.closest?.(".view")?.dataset.name;
-    if (given[0] instanceof VideoFrame && given[0].timestamp > 0 && name) /* a JPEG has 0 */ window.paintedFrames[name] = (window.paintedFrames[name] ?? 0) + 1;
+    const isH264 = given[0] instanceof VideoFrame && given[0].timestamp > 0; // of a JPEG it is 0
+    if (isH264 && name) window.paintedFrames[name] = (window.paintedFrames[name] ?? 0) + 1;
   };
 }"""
 

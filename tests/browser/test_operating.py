@@ -160,7 +160,7 @@ def test_pictures_that_stop_coming_are_marked_with_their_age(stand, page) -> Non
     os.kill(video, signal.SIGSTOP)
     try:
         page.wait_for("the marks", lambda: page.marks() == ["old"] * 4)
-        assert " old" in page.words("#cameras .mark b")
+        page.wait_for("the age", lambda: " s old" in page.words("#cameras .mark b"))
     finally:
         os.kill(video, signal.SIGCONT)
     page.wait_for_live_views()

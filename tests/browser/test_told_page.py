@@ -44,6 +44,11 @@ SEND_LATE = """ms => {
   const send = (window.sendNow ??= WebSocket.prototype.send);
   WebSocket.prototype.send = ms === 0 ? send : function (message) { setTimeout(() => send.call(this, message), ms); };
 }"""
+COUNT_MARKS = """() => {
+  window.marksChanged = 0;
+  const changed = new MutationObserver((seen) => (window.marksChanged += seen.length));
+  changed.observe(document.querySelector("[data-name=side]"), { attributeFilter: ["data-mark"] });
+}"""
 TROUBLES = {
     CameraStatus.DARK: "camera {} shows nothing: is there light, is its lens free?",
     CameraStatus.FROZEN: "camera {} has given no new picture for 0.6 s; check its cable, its power and its address",
@@ -318,9 +323,23 @@ def test_a_view_of_the_operator_that_is_missing_keeps_no_old_picture(told: Told)
     told.until("a picture again", lambda: told.page.words("#previews").startswith("live"))
 
 
+def test_a_view_whose_pictures_are_late_now_and_then_does_not_flicker(told: Told) -> None:
+    """Every other fifth of a second pictures are old, as over a link that pauses."""
+    told.until("live views", lambda: set(told.page.marks()) == {"live"})
+    began_s = time.monotonic()
+    told.picture = lambda name, seq: scene.picture(name, seq, told.jpeg, age_ms=400.0 if seq // 4 % 2 else 20.0)
+    told.until("the mark", lambda: told.mark("side") == "old")
+    told.page.page.evaluate(COUNT_MARKS)
+    told.until("a second", lambda: time.monotonic() - began_s > 3.0)
+    assert told.page.page.evaluate("window.marksChanged") == 0
+    told.reset()
+    told.until("a live view", lambda: told.mark("side") == "live")
+
+
 def test_a_picture_has_no_more_pixels_than_the_screen_shows_of_it(told: Told) -> None:
     told.until("live views", lambda: set(told.page.marks()) == {"live"})
-    sizes = "() => ((c) => [c.width, c.height, c.clientWidth, c.clientHeight])(document.querySelector('#cameras canvas'))"
+    sizes = """() => ((canvas) => [canvas.width, canvas.height, canvas.clientWidth, canvas.clientHeight])
+        (document.querySelector('#cameras canvas'))"""
     width, height, shown_width, shown_height = told.page.page.evaluate(sizes)
     assert width < scene.SIZE[1]  # four views on a screen of 1280 x 720
     assert min(shown_width / width, shown_height / height) == pytest.approx(1.0, abs=0.01)

@@ -4,7 +4,7 @@ import { limitWords } from "./joint_limits.js";
 import { distance, frames, origin, turnedBy } from "./kinematics.js";
 import { Orbit } from "./orbit.js";
 import { sized, tones } from "./surface.js";
-import { put } from "./words.js";
+import { READ_MS, put } from "./words.js";
 
 const TONES = ["measured", "commanded", "target", "box", "edge", "holding", "fault", "panel", "text"];
 
@@ -18,6 +18,7 @@ export class ArmRoom {
   #robot = null;
   #push = { name: null, wanted: null };
   #asked = null;
+  #describedMs = -Infinity;
 
   constructor() {
     new ResizeObserver(() => this.#ask()).observe(this.#canvas);
@@ -36,7 +37,7 @@ export class ArmRoom {
 
   show(robot) {
     this.#robot = robot;
-    if (this.#shown !== null) this.#describe(this.#shown);
+    if (this.#shown !== null && performance.now() - this.#describedMs >= READ_MS) this.#describe(this.#shown);
     this.#ask();
   }
 
@@ -64,6 +65,7 @@ export class ArmRoom {
   }
 
   #describe(robot) {
+    this.#describedMs = performance.now();
     const tool = origin(frames(this.#cell, robot.q).at(-1));
     const words = [limitWords(this.#cell, robot.q), `tool at ${tool.map((v) => (v * 1000).toFixed(0)).join(", ")} mm`];
     if (robot.target !== null) {

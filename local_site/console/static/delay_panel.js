@@ -15,18 +15,18 @@ export class DelayPanel {
     element("suggestion").addEventListener("click", () => take(this.#suggested));
   }
 
-  /** The situation's part of it. */
-  show({ clock: { round_trip_ms: roundTripMs }, delay, settings }) {
+  /** The situation's part of it, and the tools that the marks show. */
+  show({ clock: { round_trip_ms: roundTripMs }, delay, settings }, tools) {
     put(element("round-trip"), roundTripMs === null ? UNKNOWN : `${roundTripMs.toFixed(0)} ms`);
     put(element("loop"), delay.loop_ms === null ? UNKNOWN : `${delay.loop_ms.toFixed(0)} ms`);
     this.#suggested = delay.suggested_scale;
     const isLess = settings !== null && delay.suggested_scale < settings.scale;
     mark(element("suggestion"), "data-offered", isLess);
     put(element("suggestion"), `take ${delay.suggested_scale.toFixed(2)}`);
+    this.#age(tools);
   }
 
-  /** How old what the marks show is now. */
-  age({ measured, sent }) {
+  #age({ measured, sent }) {
     for (const [id, tool] of [["measured-age", measured], ["sent-age", sent]]) {
       const nowMs = this.#clock.now();
       put(element(id), tool === null || nowMs === null ? UNKNOWN : `${ageWords(nowMs - tool.t_ms)} ago`);

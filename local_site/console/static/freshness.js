@@ -1,21 +1,26 @@
 // The mark of a picture: live only if it is recent and its camera is reported live; pure.
 export const OLD_MS = 300;
 
-/** Mark, words and age of a view, and whether it is old: its newest picture's exposure, its camera's last reported status, and the time, in ms. */
-export function judge(newest, status, nowMs) {
+/**
+ * Mark, words and age of a view, and whether it is old or late now: its newest picture's exposure, its camera's last reported status, and the time, in ms.
+ * Where it `wasLate` a moment ago it still counts as old: a mark that comes and goes is not read.
+ */
+export function judge(newest, status, nowMs, wasLate) {
   if (newest === null) {
     const title = status?.status === "missing" ? "no picture" : "no picture yet";
-    return { mark: "none", title, words: status?.reason ?? "", ageMs: null, isOld: true };
+    return { mark: "none", title, words: status?.reason ?? "", ageMs: null, isOld: true, isLate: false };
   }
   const ageMs = nowMs === null || newest.captureMs === null ? null : nowMs - newest.captureMs;
-  if (ageMs === null) return { mark: "old", title: "age unknown", words: "the offset of the clocks is not known yet", ageMs, isOld: true };
-  const isOld = ageMs + newest.unsureMs > OLD_MS;
+  if (ageMs === null) return { mark: "old", title: "age unknown", words: "the offset of the clocks is not known yet", ageMs, isOld: true, isLate: false };
+  const isLate = ageMs + newest.unsureMs > OLD_MS;
+  const isOld = isLate || wasLate;
   if (status.status !== "live") {
-    const title = isOld ? `${status.status}, ${ageWords(ageMs)} old` : status.status;
-    return { mark: status.status, title, words: status.reason, ageMs, isOld };
+    const title = isLate ? `${status.status}, ${ageWords(ageMs)} old` : status.status;
+    return { mark: status.status, title, words: status.reason, ageMs, isOld, isLate };
   }
-  if (isOld) return { mark: "old", title: `${ageWords(ageMs)} old`, words: "no newer picture has come", ageMs, isOld };
-  return { mark: "live", title: "live", words: "", ageMs, isOld };
+  if (isLate) return { mark: "old", title: `${ageWords(ageMs)} old`, words: "no newer picture has come", ageMs, isOld, isLate };
+  if (isOld) return { mark: "old", title: "late", words: "pictures come late now and then", ageMs, isOld, isLate };
+  return { mark: "live", title: "live", words: "", ageMs, isOld, isLate };
 }
 
 /** An age as a person reads it. */

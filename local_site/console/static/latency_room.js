@@ -14,7 +14,6 @@ const INTERVALS = {
 };
 const STAGES = { command: "command", motion: "robot", encoder: "encoder", exposed: "picture taken", shown: "painted" };
 const STAGE_TONES = ["accent", "commanded", "encoder", "idle", "engaged"];
-const DRAWN_MS = 250;
 
 export class LatencyRoom {
   #canvas = document.getElementById("latency");
@@ -23,7 +22,6 @@ export class LatencyRoom {
   #bar = document.getElementById("trace-bar");
   #cells = new Map();
   #points = new Map(Object.keys(INTERVALS).map((name) => [name, []]));
-  #drawnMs = 0;
   #highest = [];
 
   constructor() {
@@ -45,8 +43,6 @@ export class LatencyRoom {
   }
 
   show({ now_ms: nowMs, latency, trace }) {
-    if (nowMs - this.#drawnMs < DRAWN_MS) return;
-    this.#drawnMs = nowMs;
     for (const [name, figures] of Object.entries(latency)) this.#note(name, figures, nowMs);
     this.#highest = Object.values(latency).map((figures) => figures.p95 ?? 0); // rarer values are clipped
     this.#draw(nowMs);

@@ -19,7 +19,7 @@ import { StopButton } from "./stop_button.js";
 import { Theme } from "./theme.js";
 import { Tones } from "./tones.js";
 import { Views } from "./views.js";
-import { mark } from "./words.js";
+import { READ_MS, mark } from "./words.js";
 
 const BEAT_MS = 50;
 const LOOK_MS = 100;
@@ -50,7 +50,9 @@ const replay = new ReplayBar(connection, alert, () => views.forget());
 const joints = new JointMarks(connection, views.ofOperator);
 new Theme(() => arm.repaint());
 
+let tools = NO_TOOLS;
 let toolsMs = -Infinity;
+let figuresMs = -Infinity;
 let heardMs = null; // the console's time in its newest echo: how old what the page sends is at most
 
 function beat() {
@@ -81,15 +83,14 @@ const handlers = {
   situation: (message) => {
     mark(document.body, "data-connected", true);
     const condition = bar.show(message);
-    events.show(message);
     arm.show(message.robot);
     const limit = condition.name === "limited" ? condition.word : null;
     arm.hinder(limit);
     views.hinder(limit);
     views.haunt(message.robot);
     views.offer(message.robot);
-    latency.show(message);
     if (!replay.isShown) operate(message, condition);
+    if (performance.now() - figuresMs >= READ_MS) showFigures(message);
   },
   tools: (message) => {
     toolsMs = performance.now();
@@ -116,15 +117,22 @@ function operate(situation, condition) {
   steps.show(condition, situation, controls.facts);
   assist.show(situation.robot, controls.operates);
   recording.show(situation.robot, situation.own_recording, controls.operates);
-  delay.show(situation);
-  link.show(situation.robot);
   views.showWhyNoPreview(situation.hand);
 }
 
-function showTools(tools) {
+function showFigures(situation) {
+  figuresMs = performance.now();
+  events.show(situation);
+  latency.show(situation);
+  if (replay.isShown) return;
+  delay.show(situation, tools);
+  link.show(situation.robot);
+}
+
+function showTools(newest) {
+  tools = newest;
   views.markTools(tools);
   arm.want(tools.wanted);
-  delay.age(tools);
 }
 
 /** Mark everything besides the pictures, which show their own age, as outdated. */

@@ -6,11 +6,12 @@ import { decodedJpeg } from "./jpeg.js";
 import { parsePicture } from "./picture.js";
 import { PictureCanvas } from "./picture_canvas.js";
 import { ToolMarks } from "./tool_marks.js";
-import { mark as setMark, put } from "./words.js";
+import { READ_MS, mark as setMark, put } from "./words.js";
 
 const SECOND_MS = 1000;
 const NO_H264 = "this browser cannot decode H.264, which the operator's link needs; open the page in another";
 const SHOWING = ["live", "slow"]; // what a camera's picture shows the cell as
+const CALM_MS = 600; // without a late picture, until none is marked
 const USELESS_MS = 1000; // an older picture is darkened, a younger one only marked with its age
 
 export class View {
@@ -31,6 +32,8 @@ export class View {
   #assistCanvas = document.createElement("canvas");
   #assist = null;
   #isFresh = false;
+  #lateMs = -Infinity;
+  #agedMs = -Infinity;
   #header = null;
   #newest = null;
   #times = [];
@@ -132,14 +135,20 @@ export class View {
 
   /** Mark how current the picture is now. */
   refresh() {
-    const { mark, title: judged, words: why, ageMs, isOld } = judge(this.#newest, this.#header, this.#clock.now());
+    const nowMs = performance.now();
+    const wasLate = nowMs - this.#lateMs < CALM_MS;
+    const { mark, title: judged, words: why, ageMs, isOld, isLate } = judge(this.#newest, this.#header, this.#clock.now(), wasLate);
+    if (isLate) this.#lateMs = nowMs;
     const title = mark === "live" && this.#clock.isReplayed ? "recorded" : judged;
+    if (nowMs - this.#agedMs >= READ_MS || mark !== this.element.dataset.mark) {
+      this.#agedMs = nowMs;
+      put(this.#title, title);
+      put(this.#fresh, ageMs === null ? title : `${mark === "live" ? title : mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
+    }
     setMark(this.element, "data-mark", mark);
     setMark(this.element, "data-useless", ageMs === null || ageMs > USELESS_MS);
     this.#isFresh = !isOld && (mark === "live" || mark === "slow");
-    put(this.#title, title);
     put(this.#words, this.#isMissed ? NO_H264 : why || this.why);
-    put(this.#fresh, ageMs === null ? title : `${mark === "live" ? title : mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
   }
 
   /** What was painted last, for the console; null before the first, or while its age is not known. */

@@ -21,6 +21,7 @@ export class Views {
   #tools = { measured: null, sent: null, wanted: null };
   #limit = null;
   #marked = true;
+  #isCalibrated = false;
   #path = new ToolPath();
   #markAsked = null;
   #marksButton = document.getElementById("marks");
@@ -46,7 +47,8 @@ export class Views {
     }
     this.#cameras.dataset.count = cell.cameras.length;
     document.documentElement.style.setProperty("--aspect", aspectOf(cell.cameras));
-    this.#marksButton.hidden = this.#ghostButton.hidden = cell.cameras.every((camera) => camera.calibration === null);
+    this.#isCalibrated = cell.cameras.some((camera) => camera.calibration !== null);
+    this.#marksButton.hidden = this.#ghostButton.hidden = !this.#isCalibrated;
   }
 
   /** Draw the commanded arm over the calibrated cameras' pictures. */
@@ -62,6 +64,7 @@ export class Views {
   }
 
   #draw() {
+    if (!this.#isCalibrated) return; // nothing is drawn over the pictures
     this.#asked ??= requestAnimationFrame(() => {
       this.#asked = null;
       for (const [name, view] of this.#views) {
@@ -81,6 +84,7 @@ export class Views {
   markTools(tools) {
     this.#tools = tools;
     if (tools.measured !== null) this.#path.add(tools.measured);
+    if (!this.#isCalibrated) return;
     this.#markAsked ??= requestAnimationFrame(() => {
       this.#markAsked = null;
       for (const view of this.#views.values()) view.markTools(this.#marked ? { ...this.#tools, limit: this.#limit } : null, this.#path);
