@@ -13,7 +13,7 @@ from common.process.service import ask_for_real_time
 from remote_site.drivers.c500c.emulator import TICK_NS, EmulatedController
 from remote_site.drivers.c500c.exchange import BITS_PER_BYTE
 from remote_site.drivers.c500c.port import SerialPort
-from remote_site.drivers.c500c.protocol import Parser
+from remote_site.drivers.c500c.protocol import LARGEST_REQUEST, Parser
 
 FIFO_PRIORITY = 40
 POLL_S = 0.001
@@ -50,7 +50,7 @@ class Emulation:
     def __init__(self, controller: EmulatedController, start_ns: int, *, loss: float = 0.0) -> None:
         self.controller = controller
         self.there, self.back = EmulatedLine(loss=loss), EmulatedLine(loss=loss)
-        self._parser = Parser()
+        self._parser = Parser(LARGEST_REQUEST)
         self._ticked_ns = start_ns
 
     def exchange(self, data: bytes, now_ns: int) -> bytes:

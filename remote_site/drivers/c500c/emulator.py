@@ -82,6 +82,7 @@ class EmulatedController:
     emergency_stop: bool = False
     jammed: bool = False
     activation: int = 0
+    arm_power: bool = True
 
     def __post_init__(self) -> None:
         self.player = Player(np.array(self.q, dtype=float), 1.0)
@@ -96,6 +97,13 @@ class EmulatedController:
     def dq(self) -> Array:
         """Joint velocity, rad/s."""
         return self.player.dq
+
+    @property
+    def _cut(self) -> Fault:
+        """Why the arm is without power, Fault.NONE when it has it."""
+        if self.emergency_stop:
+            return Fault.EMERGENCY_STOP
+        return Fault.NONE if self.arm_power else Fault.ARM_POWER
 
     def receive(self, frames: list[ProtocolFrame], now_ns: int) -> None:
         """Take complete frames; they are handled in the next tick."""
@@ -128,14 +136,14 @@ class EmulatedController:
 
     def _obey(self, frame: ProtocolFrame) -> None:
         try:
-            if frame.kind is Kind.SETPOINT:
+            if frame.kind == Kind.SETPOINT:
                 self._take(Setpoint.parse(frame.payload))
-            elif frame.kind is Kind.ACTIVATE:
+            elif frame.kind == Kind.ACTIVATE:
                 self._activate(Activation.parse(frame.payload))
-            elif frame.kind is Kind.HALT:
+            elif frame.kind == Kind.HALT:
                 self.halt()
         except (struct.error, ValueError):
-            return  # not as its kind is built: answered with the state, but not obeyed
+            return  # not as its kind is built: answered as an unknown kind is, and not obeyed
 
     def _take(self, setpoint: Setpoint) -> None:
         if not self.active or setpoint.count == self._last_setpoint:
@@ -145,7 +153,7 @@ class EmulatedController:
             self.gripper.order(setpoint.gripper, setpoint.grip_percent)
 
     def _activate(self, activation: Activation) -> None:
-        if activation.count == self.activation or self._brake is not None or self.emergency_stop:
+        if activation.count == self.activation or self.dq.any() or self._cut:
             return
         self.activation, self.active = activation.count, False
         self.fault = Fault.NONE
@@ -156,8 +164,8 @@ class EmulatedController:
         self.active, self._last_setpoint = True, None
 
     def _watch(self, now_ns: int) -> None:
-        if self.emergency_stop and (self.active or self.dq.any()):
-            self.halt(Fault.EMERGENCY_STOP)
+        if self._cut and (self.active or self.dq.any()):
+            self.halt(self._cut)
             self._brake, self.player.dq = None, np.zeros(len(self.player.q))  # the holding brakes engage
         if self.jammed and self.dq.any():
             self.halt(Fault.BLOCKED)
@@ -179,7 +187,7 @@ class EmulatedController:
         for flag, is_set in (
             (Flag.ACTIVE, self.active),
             (Flag.MOVING, bool(self.dq.any())),
-            (Flag.ARM_POWER, not self.emergency_stop),
+            (Flag.ARM_POWER, not self._cut),
             (Flag.EMERGENCY_STOP, self.emergency_stop),
             (Flag.GRIPPER_BUSY, self.gripper.busy),
         ):

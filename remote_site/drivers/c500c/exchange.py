@@ -8,7 +8,15 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import DriverError
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.port import Port
-from remote_site.drivers.c500c.protocol import ControllerState, Flag, Kind, Parser, ProtocolFrame, Setpoint
+from remote_site.drivers.c500c.protocol import (
+    LARGEST_ANSWER,
+    ControllerState,
+    Flag,
+    Kind,
+    Parser,
+    ProtocolFrame,
+    Setpoint,
+)
 
 BITS_PER_BYTE = 10
 MOST_WAITING = 2
@@ -75,7 +83,7 @@ class Exchange:
 
     def __init__(self, config: C500cConfig, port: Port) -> None:
         self._port = port
-        self._parser = Parser()
+        self._parser = Parser(LARGEST_ANSWER)
         self._queue = TransmitQueue()
         self._byte_ns = NS_PER_S * BITS_PER_BYTE / config.baud
         self._answer_ns = round(config.answer_ms * NS_PER_MS)
@@ -92,7 +100,7 @@ class Exchange:
 
     def is_pending(self, kind: Kind) -> bool:
         """Whether this has not been answered yet."""
-        return kind in self._queue or (self._pending is not None and self._pending.frame.kind is kind)
+        return kind in self._queue or (self._pending is not None and self._pending.frame.kind == kind)
 
     def pump(self, now_ns: int) -> None:
         """Take what has been received, and send what is due."""
@@ -110,7 +118,7 @@ class Exchange:
 
     def _receive(self, frame: ProtocolFrame, now_ns: int) -> None:
         pending = self._pending
-        if pending is None or frame.kind is not Kind.STATE or frame.sequence != pending.frame.sequence:
+        if pending is None or frame.kind != Kind.STATE or frame.sequence != pending.frame.sequence:
             return
         try:
             self.state = ControllerState.parse(frame.payload)
@@ -118,7 +126,7 @@ class Exchange:
             return
         self.received_ns = now_ns - round(len(frame.encoded) * self._byte_ns)
         self._pending = None
-        setpoint = pending.frame.kind is Kind.SETPOINT and Flag.ACTIVE in self.state.flags
+        setpoint = pending.frame.kind == Kind.SETPOINT and Flag.ACTIVE in self.state.flags
         if setpoint and Setpoint.parse(pending.frame.payload).count != self.state.taken:
             self._queue.put_back(pending.frame.payload, now_ns)
 

@@ -16,7 +16,6 @@ START = 0xA5
 HEAD_BYTES, CRC_BYTES = 4, 2
 JOINTS = 6
 RAD = 1e-6
-LARGEST_PAYLOAD = 64
 
 
 class Kind(IntEnum):
@@ -27,9 +26,6 @@ class Kind(IntEnum):
     SETPOINT = 3
     HALT = 4
     STATE = 16
-
-
-KINDS = frozenset(Kind)
 
 
 class Flag(IntFlag):
@@ -56,10 +52,10 @@ class Fault(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class ProtocolFrame:
-    """One message; the answer to a frame carries its sequence."""
+    """One message, of a `Kind` or of one that is not known; the answer to a frame carries its sequence."""
 
     sequence: int
-    kind: Kind
+    kind: int
     payload: bytes = b""
 
     @property
@@ -70,9 +66,13 @@ class ProtocolFrame:
 
 
 class Parser:
-    """Finds frames in the bytes from a line that may lose or change some."""
+    """Finds frames in the bytes from a line that may lose or change some.
 
-    def __init__(self) -> None:
+    A length of more than `largest_payload` is none, so one wrong bit never keeps it waiting for long.
+    """
+
+    def __init__(self, largest_payload: int) -> None:
+        self._largest_payload = largest_payload
         self._buffer = bytearray()
         self.damaged = 0
 
@@ -96,15 +96,15 @@ class Parser:
             return None
         length = buffer[1]
         end = HEAD_BYTES + length + CRC_BYTES
-        if length <= LARGEST_PAYLOAD and len(buffer) < end:
+        if length <= self._largest_payload and len(buffer) < end:
             return None
         body, crc = bytes(buffer[1 : end - CRC_BYTES]), bytes(buffer[end - CRC_BYTES : end])
-        if length > LARGEST_PAYLOAD or _crc(body) != crc or body[2] not in KINDS:
+        if length > self._largest_payload or _crc(body) != crc:
             self.damaged += 1
             del buffer[:1]
             return []
         del buffer[:end]
-        return [ProtocolFrame(body[1], Kind(body[2]), body[3:])]
+        return [ProtocolFrame(body[1], body[2], body[3:])]
 
 
 GRIPPER_COMMANDS = (GripperCommand.KEEP, GripperCommand.OPEN, GripperCommand.CLOSED)  # by their byte on the line
@@ -195,6 +195,10 @@ class ControllerState:
         flags, fault, queued, activation, begun, taken, opening, *joints = cls.FORMAT.unpack(payload)
         angles = tuple(angle * RAD for angle in joints)
         return cls(Flag(flags), Fault(fault), queued, activation, begun, taken, opening * 1e-5, angles)
+
+
+LARGEST_REQUEST = max(Activation.FORMAT.size, Setpoint.FORMAT.size)
+LARGEST_ANSWER = ControllerState.FORMAT.size
 
 
 def _crc(body: bytes) -> bytes:

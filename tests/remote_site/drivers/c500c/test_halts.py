@@ -5,10 +5,8 @@ import pytest
 
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
-from remote_site.drivers.c500c.protocol import (
-    Fault,
-    Flag,
-)
+from remote_site.drivers.c500c.emulation import EmulatedLine
+from remote_site.drivers.c500c.protocol import Fault, Flag, Kind
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode
 from tests.remote_site.drivers.c500c.emulated_a465 import ROBOT, SETUP, EmulatedA465
@@ -130,3 +128,32 @@ def test_activation_elsewhere_is_refused_by_the_controller(bench):
     bench.run(100)
     bench.driver.activate(ROBOT.start + 0.1)
     assert bench.run(80).fault.code is FaultCode.APART
+
+
+def test_an_arm_without_power_is_halted_and_told(bench):
+    bench.ready()
+    for k in range(20):
+        bench.send(ROBOT.start + 0.01 * k)
+    bench.controller.arm_power = False
+    reading = bench.run(60)
+    assert reading.fault.code is FaultCode.ARM_POWER
+    assert not bench.controller.dq.any()
+    with pytest.raises(DriverError, match="no power"):
+        bench.driver.activate(reading.q)
+
+
+@pytest.mark.parametrize("bit", range(8))
+@pytest.mark.parametrize("kind", [Kind.POLL, Kind.SETPOINT])
+def test_one_wrong_bit_in_a_length_halts_nothing(bench, kind, bit):
+    def push(data: bytes, now_ns: int) -> None:
+        if not changed and data and data[3] == kind:
+            changed.append(data)
+            data = data[:1] + bytes([data[1] ^ (1 << bit)]) + data[2:]
+        EmulatedLine.push(line, data, now_ns)
+
+    changed, line = [], bench.ready().emulation.there
+    bench.send(ROBOT.start, periods=5)
+    line.push = push
+    for k in range(20):
+        assert bench.send(ROBOT.start + 0.002 * k).fault is None
+    assert changed

@@ -10,6 +10,7 @@ from common.clock import NS_PER_MS
 from common.messages.robot import GripperCommand
 from remote_site.drivers.c500c.emulation import EmulatedLine
 from remote_site.drivers.c500c.protocol import (
+    LARGEST_ANSWER,
     Activation,
     ControllerState,
     Fault,
@@ -21,14 +22,14 @@ from remote_site.drivers.c500c.protocol import (
 )
 
 ANGLES = st.floats(-math.pi, math.pi)
-FRAMES = st.builds(ProtocolFrame, st.integers(0, 255), st.sampled_from(Kind), st.binary(max_size=40))
+FRAMES = st.builds(ProtocolFrame, st.integers(0, 255), st.integers(0, 255), st.binary(max_size=LARGEST_ANSWER))
 
 
 @given(st.lists(FRAMES, max_size=5), st.binary(max_size=20), st.integers(1, 40))
 def test_frames_are_found_however_they_come(frames, noise, chunk):
     noise = noise.replace(b"\xa5", b"")
     data = noise + b"".join(frame.encoded for frame in frames)
-    parser, found = Parser(), []
+    parser, found = Parser(LARGEST_ANSWER), []
     for k in range(0, len(data), chunk):
         found += parser.feed(data[k : k + chunk])
     assert found == frames
@@ -42,7 +43,7 @@ def test_a_damaged_frame_is_never_taken_for_another(frame, data):
     encoded[place] ^= data.draw(st.integers(1, 255))
     if data.draw(st.booleans()):
         del encoded[place]
-    found = Parser().feed(bytes(encoded) + ProtocolFrame(9, Kind.POLL).encoded * 20)
+    found = Parser(LARGEST_ANSWER).feed(bytes(encoded) + ProtocolFrame(9, Kind.POLL).encoded * 20)
     # a checksum may end in the byte with which the next frame starts: then a lost last byte damages nothing
     assert all(each in (ProtocolFrame(9, Kind.POLL), frame) for each in found)
     assert found
@@ -62,7 +63,7 @@ def test_nothing_is_commanded_of_the_gripper_by_zeros():
 
 @given(st.binary(max_size=300))
 def test_random_bytes_raise_nothing(data):
-    Parser().feed(data)
+    Parser(LARGEST_ANSWER).feed(data)
 
 
 @given(st.tuples(*[ANGLES] * 6), st.integers(0, 65535), st.sampled_from(GripperCommand), st.integers(1, 100))
