@@ -126,7 +126,7 @@ class Code(StrEnum):
     MOVING = "moving", "the arm is still coming to rest"
     PAGE_SILENT = (
         "page_silent",
-        "the operator's page is silent: open it and take the controls; to operate without a page, "
+        "no page operates: open the operator's page and take the controls; to operate without a page, "
         "release the lease and take it again",
     )
     PAUSED = "paused", "control paused for {paused_ms:.0f} ms (limit {limit_ms:.0f} ms)"

@@ -104,7 +104,7 @@ class Hub:
         """A page has gone."""
         self._pages.remove(page)
         if page.visitor == self._handler.seat.occupant:
-            self._handler.seat.leave(page.visitor)
+            self._handler.seat.go(page.visitor)
             self._history.note("seat", f"{page.visitor} is gone, nobody operates", self._clock.now_ns())
 
     def receive(self, page: Page, text: str) -> None:

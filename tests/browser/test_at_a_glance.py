@@ -122,7 +122,7 @@ def test_the_first_cause_stays_in_sight_until_it_is_answered(told: Told) -> None
     told.page.wait_for("the silence after it", lambda: "has been silent" in told.page.words("#reason"))
     assert told.page.state() == "fault"
     assert told.page.words("#reason").startswith("the robot's driver has ended")
-    assert any("fallen silent" in event for event in listed(told))
+    told.page.wait_for("the event", lambda: any("fallen silent" in event for event in listed(told)))
     told.state = partial(scene.state, ENGAGED, "ok", FOLLOWS)
     told.until("the answer", lambda: told.page.state() == "engaged")
     told.until("the news", lambda: any("answers again" in event for event in listed(told)))

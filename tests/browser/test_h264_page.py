@@ -62,7 +62,7 @@ def test_a_gap_shows_the_last_whole_picture_as_old_until_the_key_frame(told: Tol
     assert {request.camera for request in told.key_frames[asked:]} == {"side"}
     assert painted(told)["side"] == before["side"]
     assert painted(told)["gripper"] > before["gripper"]
-    assert "s old" in told.page.words("[data-name=side] .mark")
+    told.until("the age", lambda: "s old" in told.page.words("[data-name=side] .mark"))
     cameras.answers = True
     told.until("the view", lambda: told.mark("side") == "live")
     assert painted(told)["side"] > before["side"]

@@ -38,7 +38,8 @@ def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(
     assert stand.sites.state.code == "let_go"
     page.wait_for("the page to say so", lambda: page.state() == "disengaged")
     assert "the key was let go" in page.words("#reason")
-    assert any("let go" in line for line in page.page.locator("#events li").all_text_contents())
+    events = page.page.locator("#events li")
+    page.wait_for("the event", lambda: any("let go" in line for line in events.all_text_contents()))
 
 
 def test_freezing_the_tab_stops_the_arm_and_it_needs_a_new_press(stand, page) -> None:

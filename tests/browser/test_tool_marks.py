@@ -113,7 +113,7 @@ def test_what_is_sent_is_drawn_over_an_old_picture_as_over_a_new_one(told: Told,
     told.age_ms = 450.0
     told.until("both symbols", lambda: shows(told, late, "side"))
     told.until("the mark", lambda: told.mark("side") == "old")
-    assert "ms" in told.page.words("[data-name=side] .fresh")
+    told.until("the age", lambda: " ms" in told.page.words("[data-name=side] .fresh"))
 
 
 def test_the_marks_go_on_while_no_picture_comes(told: Told, late: LateRemote) -> None:
@@ -160,13 +160,13 @@ def test_the_scale_suggested_for_the_delay_is_taken_by_one_press_and_never_by_it
         told.until("the round trip", lambda: told.page.words("#round-trip") == "240 ms")
         told.until("the suggestion", lambda: told.page.page.is_visible("#suggestion"))
         shown_ms, offered = told.page.page.evaluate(LOOP_AND_SUGGESTION)
-        loop_ms, suggested = float(shown_ms.removesuffix(" ms")), float(offered.removeprefix("take "))
+        loop_ms, suggested = float(shown_ms.removesuffix(" ms")), float(offered.removeprefix("delay: use "))
         assert loop_ms >= 260.0 + 120.0
         assert suggested == pytest.approx(200.0 / loop_ms, abs=0.05)
         assert scales(console) == {1.0}
         told.shot("suggested scale")
         assert told.page.page.evaluate(CHECK)["poor"] == []
-        taken = float(told.page.page.evaluate(TAKE).removeprefix("take "))  # its median may change at any time
+        taken = float(told.page.page.evaluate(TAKE).removeprefix("delay: use "))  # its median may change at any time
         told.until("the scale", lambda: len(scales(console)) == 2)
         assert min(scales(console)) == taken
         told.page.close()

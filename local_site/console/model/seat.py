@@ -31,6 +31,8 @@ class SeatAnswer:
 class Seat:
     """Gives the seat to the first page, and to another only when it is given up, closed or silent for 5 s.
 
+    Once an operator has given it up, no page has it before somebody takes it: who opens one only to watch is no operator.
+
     Holding counts while the operating page beats at least every 200 ms, and for 400 ms at most after the time of the
     console that it had heard by then: the way of a beat is part of that, so a key that was released is not held longer,
     however late all beats come. After any silence, a stop or a change of the page it counts only once the key was seen
@@ -43,11 +45,12 @@ class Seat:
         self._heard_ns: int | None = None
         self._down = self._released = False
         self._assist: str | None = None
+        self._given_up = False
         self.occupant: Visitor | None = None
 
     def arrive(self, visitor: Visitor, now_ns: int) -> None:
-        """A page has connected; it operates if no other page does."""
-        if self.occupant is None:
+        """A page has connected; it operates if no other page does, and nobody has given up the seat."""
+        if self.occupant is None and not self._given_up:
             self.take(visitor, now_ns)
 
     def take(self, visitor: Visitor, now_ns: int) -> SeatAnswer:
@@ -64,7 +67,13 @@ class Seat:
         """Give up the seat; no effect for a page that does not have it."""
         if self.occupant == visitor:
             self._sit(None, None)
+            self._given_up = True
         return SeatAnswer(True, "this page only watches")
+
+    def go(self, visitor: Visitor) -> None:
+        """A page is gone, as when it is closed or loaded again; no effect for one that does not have the seat."""
+        if self.occupant == visitor:
+            self._sit(None, None)
 
     def beat(
         self, visitor: Visitor, now_ns: int, heard_ns: int | None, *, down: bool, assist: str | None = None
@@ -107,7 +116,7 @@ class Seat:
 
     def _sit(self, visitor: Visitor | None, now_ns: int | None) -> None:
         self.occupant, self._beat_ns, self._heard_ns, self._assist = visitor, now_ns, now_ns, None
-        self._down = self._released = False
+        self._down = self._released = self._given_up = False
 
     def _lapse(self, now_ns: int) -> None:
         if self._is_silent(now_ns) or self._is_late(now_ns):

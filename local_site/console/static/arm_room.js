@@ -72,7 +72,7 @@ export class ArmRoom {
       const turned = turnedBy(robot.target.orientation, robot.base_T_tool.orientation);
       words.push(`hand's target ${(1000 * distance(robot.target.position, tool)).toFixed(0)} mm and ${turned.toFixed(0)}° away`);
     }
-    if (robot.min_distance !== null) words.push(`nearest ${(robot.min_distance * 1000).toFixed(0)} mm`);
+    if (robot.min_distance !== null) words.push(`nearest obstacle ${(robot.min_distance * 1000).toFixed(0)} mm`);
     if (robot.silent) words.push("last state received: the remote site is silent");
     put(this.#words, words.filter(Boolean).join(" · "));
   }

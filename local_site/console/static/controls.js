@@ -180,7 +180,7 @@ function gripperWords(robot) {
 
 /** What this operator can do about the lease: take it, ask its holder for it, or hand it to the operator who asks; or nothing. */
 function leaseAct(lease, operator) {
-  if (lease === null) return { action: "take", words: "Take the lease" };
+  if (lease === null) return { action: "take", words: "Take the robot" };
   const asker = lease.asked_by;
   if (lease.ours) {
     return asker === null ? null : { action: "give", to: { name: asker.name, session: asker.session }, words: `Hand over to ${asker.words}` };

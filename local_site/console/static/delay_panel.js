@@ -22,7 +22,7 @@ export class DelayPanel {
     this.#suggested = delay.suggested_scale;
     const isLess = settings !== null && delay.suggested_scale < settings.scale;
     mark(element("suggestion"), "data-offered", isLess);
-    put(element("suggestion"), `take ${delay.suggested_scale.toFixed(2)}`);
+    put(element("suggestion"), `delay: use ${delay.suggested_scale.toFixed(2)}`);
     this.#age(tools);
   }
 

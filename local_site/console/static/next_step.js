@@ -21,7 +21,7 @@ function watching(seat, mayOperate) {
 function operating(condition, robot, { held, act }) {
   if (condition.name === "fault" || condition.name === "stopped") return { next: "reset", minor: [], words: "When the cause is gone, reset." };
   if (condition.name === "other") return { next: "lease-button", minor: [], words: "Ask whoever operates to hand over." };
-  if (act?.action === "take") return { next: "lease-button", minor: [], words: "Nobody may operate yet: take the lease." };
+  if (act?.action === "take") return { next: "lease-button", minor: [], words: "No operator has the robot: take it." };
   const handOver = act === null ? [] : ["lease-button"];
   if (robot.state === "disengaged") return disengaged(robot, held, handOver);
   const running = { minor: ["disengage", "clutch", ...handOver] };
@@ -30,10 +30,17 @@ function operating(condition, robot, { held, act }) {
 }
 
 function followingWords({ name, word }, held) {
-  if (name === "limited") return `At a limit (${word}): move your hand back, against the arrow.`;
+  if (name === "limited") return limitWords(word);
   if (name === "behind") return "The tool is behind your hand: move slowly, or turn it back.";
   if (name === "led") return "The tool moves by itself while you hold A.";
   return held ? "Keep it held: the arm follows your hand." : "Move your hand: the arm follows.";
+}
+
+/** Only a place pushes back from a direction: the rest has no arrow. */
+function limitWords(word) {
+  if (word === "speed limit") return "At the arm's speed limit: move more slowly.";
+  const back = ["workspace", "obstacle", "reach", "leash"].includes(word) ? "move your hand back, against the arrow" : "turn or move your hand back";
+  return `At a limit (${word}): ${back}.`;
 }
 
 function disengaged({ readiness, code }, held, minor) {

@@ -55,6 +55,7 @@ export class StateBar {
     mark(document.body, "data-tone", condition.tone);
     put(this.#word, condition.word);
     put(this.#reason, condition.sentence);
+    mark(this.#reason, "title", condition.sentence); // two lines may not hold it all
     return condition;
   }
 }

@@ -5,6 +5,7 @@ import { ToolPath } from "./tool_path.js";
 import { View } from "./view.js";
 
 const PREVIEWS = ["left", "right"];
+const SMALL_IN_A_ROW = 5;
 
 export class Views {
   #clock;
@@ -168,8 +169,15 @@ export class Views {
   #enlarge(chosen) {
     const enlarging = !chosen.classList.contains("enlarged");
     for (const view of this.#cameras.children) view.classList.toggle("enlarged", enlarging && view === chosen);
+    [...this.#cameras.children].filter((view) => view !== chosen).forEach(placeSmall);
     this.#cameras.classList.toggle("enlarging", enlarging);
   }
+}
+
+/** Where a view lies while another one is enlarged: in rows from the upper right. */
+function placeSmall(view, k) {
+  view.style.setProperty("--column", k % SMALL_IN_A_ROW);
+  view.style.setProperty("--row", Math.floor(k / SMALL_IN_A_ROW));
 }
 
 /** The shape of all views together, two in a row: that of the pictures, which then leave no bars. */

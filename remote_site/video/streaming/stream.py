@@ -149,12 +149,13 @@ class CameraStream:
     def _status(self, expected_fps: float, *, dark: bool) -> tuple[CameraStatus, str]:
         fps = self._rate.fps
         slow = fps is not None and fps < expected_fps / 2
-        rate = f"camera {self._name} gives {fps:.1f} of {expected_fps:g} pictures a second" if slow else ""
+        rate = f"camera {self._name} gives {fps:.1f} of {expected_fps:.0f} pictures a second" if slow else ""
         if dark:
             nothing = f"camera {self._name} shows nothing: is there light, is its lens free?"
             return CameraStatus.DARK, f"{nothing} {rate}".strip()
         if slow:
-            return CameraStatus.SLOW, f"{rate}; check its exposure time and its link"
+            cure = "this host is too busy to draw more" if self._noise_free else "check its exposure time and its cable"
+            return CameraStatus.SLOW, f"{rate}; {cure}"
         return CameraStatus.LIVE, ""
 
     def _without_picture(self, status: CameraStatus, reason: str, now_ns: int) -> VideoFrame | None:

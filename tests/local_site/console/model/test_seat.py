@@ -175,8 +175,19 @@ def test_a_page_that_gives_up_its_seat_is_told_so(room: Room) -> None:
     assert (answer.done, answer.sentence) == (True, "this page only watches")
 
 
+def test_a_page_that_opens_after_an_operator_has_left_does_not_operate_until_it_asks(room: Room) -> None:
+    room.seat.leave(ANNA)
+    room.seat.arrive(BEN, room.now_ns)
+    assert room.seat.occupant is None
+    assert room.seat.take(BEN, room.now_ns).done
+    room.seat.go(BEN)
+    room.seat.arrive(ANNA, room.now_ns)  # a page that was closed, or is loaded again, has given up nothing
+    assert room.seat.occupant == ANNA
+
+
 def test_the_end_of_a_watching_page_leaves_the_operator(room: Room) -> None:
     assert room.seat.leave(BEN).done
+    room.seat.go(BEN)
     assert room.seat.occupant == ANNA
 
 
