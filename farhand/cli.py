@@ -90,7 +90,7 @@ def main() -> None:
     """Run the command line; the exit code is 1 for a failure, 2 for misuse, 130 for an interruption."""
     try:
         try:
-            app()
+            app(prog_name="farhand")  # python -m farhand too: its completion is the same command's
         finally:
             finish_log()
     except FarhandError as error:

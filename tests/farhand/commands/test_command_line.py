@@ -193,7 +193,7 @@ def test_a_full_disk_ends_a_command_without_a_traceback(command: list[str], tmp_
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT])
 def test_a_full_disk_is_named_by_the_file_where_that_is_known(number: int, here, monkeypatch) -> None:
-    def full(*_: object) -> None:
+    def full(*_: object, **__: object) -> None:
         raise OSError(number, os.strerror(number), "/disk/report.html")
 
     monkeypatch.setattr("farhand.cli.app", full)

@@ -43,3 +43,9 @@ def test_commands_options_and_choices_are_completed(completed) -> None:
     assert completed("maintenance", "") == ["stop", "reset"]
     assert {"--config", "--set", "--save-views"} <= set(completed("local", "--"))
     assert completed("track", "--tracker", "m") == ["markers", "monocular"]
+
+
+def test_run_as_a_module_it_writes_the_same_script() -> None:
+    command = [sys.executable, "-m", "farhand", "--show-completion"]
+    told = subprocess.run(command, capture_output=True, text=True, check=True, env=os.environ | {"SHELL": "/bin/bash"})
+    assert "_farhand_completion()" in told.stdout
