@@ -10,7 +10,10 @@ from importlib.util import find_spec
 from remote_site.drivers.registry import GROUP
 
 OWN = "farhand"
-OWN_NEEDS = {"simulated": ("mujoco", "MuJoCo is not installed: pip install 'farhand[sim]'")}  # in the cell's process
+OWN_NEEDS = {  # in processes of their own
+    "simulated": ("mujoco", "MuJoCo is not installed: pip install 'farhand[sim]'"),
+    "franka": ("pylibfranka", "pylibfranka is not installed: pip install 'farhand[franka]'"),
+}
 UNDESCRIBED = "no description: its factory has no docstring"
 
 

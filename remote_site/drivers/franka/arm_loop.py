@@ -31,10 +31,8 @@ HELD_APART_RAD = 0.05  # of a joint that the robot holds elsewhere than it is: i
 class ArmLoop:
     """Connects, reads, moves when it is activated; each turn takes the robot's next millisecond."""
 
-    def __init__(
-        self, connect: Callable[[], RobotPort], memory: ArmMemory, setup: DriverSetup, buffer_s: float, clock: Clock
-    ) -> None:
-        self._connect, self._memory, self._setup, self._buffer_s, self._clock = connect, memory, setup, buffer_s, clock
+    def __init__(self, connect: Callable[[], RobotPort], memory: ArmMemory, setup: DriverSetup, clock: Clock) -> None:
+        self._connect, self._memory, self._setup, self._clock = connect, memory, setup, clock
         self._robot: RobotPort | None = None
         self._port: MotionPort | None = None
         self._motion: ArmMotion | None = None
@@ -103,7 +101,7 @@ class ArmLoop:
             self._fault = refused
             return
         self._port = robot.start()
-        self._motion = ArmMotion(state.held, q0, self._setup, self._buffer_s)
+        self._motion = ArmMotion(state.held, q0, self._setup)
 
     def _drive(self, port: MotionPort) -> None:
         before, state = self._state, self._note(port.read())
@@ -113,7 +111,7 @@ class ArmLoop:
         if self._brakes:
             motion.brake()
         ticks = 1 if before is None else max(round((state.t_ns - before.t_ns) / NS_PER_MS), 1)
-        q = motion.step(ticks, self._clock.now_ns())
+        q = motion.step(ticks, self._stamp_ns)
         if motion.fault is not None and self._fault is None:
             self._fault = motion.fault
         port.write(q, finished=motion.finished)

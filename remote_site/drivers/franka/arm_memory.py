@@ -35,8 +35,8 @@ HAND_STATUS = np.dtype([("done", np.uint32), ("opening_m", np.float64)])
 class ArmStatus:
     """The arm as last measured at `t_ns` by the host's clock, 0 before: joints (7,) in rad and rad/s.
 
-    `activation` is the last one that was handled, `active` whether its motion takes setpoints, `obeyed_seq` the one that
-    is gone to; `fault` is why it takes none.
+    `activation` is the last one that was handled, `active` whether its motion takes setpoints, `obeyed_seq` the one
+    that is gone to; `fault` is why it takes none.
     """
 
     t_ns: int
@@ -89,14 +89,16 @@ class HandMemory:
 
     def ordered(self) -> tuple[int, GripperCommand]:
         """The newest order by its number; 0 and KEEP before the first."""
-        count, gripper = self._orders.read().item()  # type: ignore[misc]  # a tuple of its fields
+        fields: Any = self._orders.read().item()
+        count, gripper = fields
         return count, GripperCommand(gripper.decode()) if count else GripperCommand.KEEP
 
     def report(self, done: int, opening_m: float) -> None:
-        """Publish which order is done and the opening, NaN where it cannot be measured; only the gripper's process does."""
+        """Publish which order is done, and the opening, NaN without one; only the gripper's process does."""
         self._status.write(np.array((done, opening_m), HAND_STATUS))
 
     def opening_m(self, count: int) -> float | None:
         """The opening, None while order `count` is not done or nothing is measured."""
-        done, opening_m = self._status.read().item()  # type: ignore[misc]  # a tuple of its fields
+        fields: Any = self._status.read().item()
+        done, opening_m = fields
         return None if done != count or math.isnan(opening_m) else float(opening_m)

@@ -7,6 +7,7 @@ makes them.
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from remote_site.drivers.franka.robot_port import (
     MotionAbortedError,
     RobotRefusedError,
 )
+
+if TYPE_CHECKING:
+    from pylibfranka import ActiveControlBase, Errors, RobotState
 
 MS_PER_S = 1000
 NS_PER_MS = 1_000_000
@@ -36,7 +40,7 @@ def check_installed() -> None:
 class FrankaMotion:
     """A joint position motion under the robot's own joint impedance control."""
 
-    def __init__(self, control: object) -> None:
+    def __init__(self, control: "ActiveControlBase") -> None:
         self._control = control
 
     def read(self) -> ArmState:
@@ -130,7 +134,7 @@ def _named() -> Iterator[None]:
         raise RobotRefusedError(str(error)) from error
 
 
-def _arm_state(state: object) -> ArmState:
+def _arm_state(state: "RobotState") -> ArmState:
     return ArmState(
         round(state.time.to_sec() * MS_PER_S) * NS_PER_MS,
         np.array(state.q),
@@ -142,5 +146,5 @@ def _arm_state(state: object) -> ArmState:
     )
 
 
-def _names(errors: object) -> tuple[str, ...]:
+def _names(errors: "Errors") -> tuple[str, ...]:
     return tuple(name for name in ERRORS if getattr(errors, name)) if errors else ()

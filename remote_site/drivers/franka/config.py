@@ -7,15 +7,12 @@ from msgspec import Meta
 
 
 class FrankaConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the robot is, how long setpoints wait, how late the arm follows them, and its gripper."""
+    """Where the robot is, how late its arm follows setpoints, and its gripper."""
 
     host: Annotated[str, Meta(description="the robot's address, as 172.16.0.2")] = ""
     realtime: Annotated[
         bool, Meta(description="libfranka refuses a kernel without real time; false only against a simulator")
     ] = True
-    buffer_ms: Annotated[
-        float, Meta(ge=8, le=100, description="setpoints wait for this long, so that late ones still come in time, ms")
-    ] = 20.0
     follow_ms: Annotated[
         float, Meta(ge=1, le=800, description="the arm's own lag behind what it is sent, at most, ms")
     ] = 60.0

@@ -18,8 +18,9 @@ from remote_site.drivers.driver import (
 )
 from remote_site.drivers.faults import NOT_ACTIVATED, STILL_MOVING, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.franka.arm_memory import ArmMemory, ArmStatus, HandMemory
+from remote_site.drivers.franka.arm_motion import WATCHDOG_MS
 from remote_site.drivers.franka.config import FrankaConfig
-from remote_site.drivers.franka.robot_limits import JOINTS
+from remote_site.drivers.franka.robot_limits import FR3, JOINTS, too_much
 from remote_site.drivers.supervisor.orders import DriverOrder
 
 RATE_HZ = 1000.0
@@ -57,15 +58,15 @@ class FrankaDriver:
 
     @property
     def capabilities(self) -> Capabilities:
-        """Seven joints that follow after the buffer and their own lag; a gripper whose force is not measured."""
+        """Seven joints that follow after a lag of their own; a gripper whose force is not measured."""
         config = self._config
         return Capabilities(
             rate_hz=RATE_HZ,
             joints=JOINTS,
             gripper=config.gripper,
             force=False,
-            watchdog_ms=2 * config.buffer_ms,
-            lag_ms=config.buffer_ms + config.follow_ms,
+            watchdog_ms=WATCHDOG_MS,
+            lag_ms=config.follow_ms,
         )
 
     def configure(self, setup: DriverSetup) -> None:
@@ -74,6 +75,8 @@ class FrankaDriver:
             raise DriverError(
                 f"an FR3 has {JOINTS} joints, the model {len(setup.joint_names)}: set robot.model = 'fr3'"
             )
+        if wrong := too_much(setup.joint_names, setup.limits, FR3):
+            raise DriverError(wrong)
         self._setup = setup
         self._side.start(setup)
         end_ns = self._clock.now_ns() + CONNECT_NS

@@ -71,7 +71,7 @@ MODES: dict[str, tuple[FaultCode, str]] = {
 def fault_of(names: Sequence[str], said: str = "") -> RobotFault | None:
     """The fault of the errors that a robot reports, by libfranka's names, None without one.
 
-    The first that is more than the robot's own affair gives code and cure; all are named, and what libfranka has `said`.
+    The first that is more than the robot's own affair gives code and cure; all are named, and what libfranka `said`.
     """
     if not names:
         return None

@@ -1,19 +1,22 @@
 """What an FR3 lets its joints do, and whether what is sent to it each millisecond keeps within that; pure.
 
 Positions, speeds, and how both are tied near the ends are from the maker's URDF of the FR3 (franka_description, which
-the robot hands out itself); acceleration and jerk from rate_limiting.h of libfranka 0.21. The robot aborts a motion that
-breaks one of them.
+the robot hands out itself); acceleration and jerk from rate_limiting.h of libfranka 0.21. The robot aborts a motion
+that breaks one of them.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import JointLimits
 
 JOINTS = 7
 TICK_S = 0.001
+ACCELERATION_SHARE, JERK_SHARE = 0.6, 0.1  # of the robot's own that a configuration may use
 ROUNDING = 1e-3  # of every limit's own unit, as libfranka leaves
 
 
@@ -54,6 +57,21 @@ FR3 = RobotLimits(
     acceleration=np.full(JOINTS, 10.0),
     jerk=np.full(JOINTS, 5000.0),
 )
+
+
+def too_much(names: Sequence[str], limits: JointLimits, own: RobotLimits) -> str:
+    """Which configured limits leave the robot's own no room for what late setpoints add, "" for none."""
+    for what, unit, values, most in (
+        ("acceleration", "rad/s²", limits.acceleration, ACCELERATION_SHARE * own.acceleration),
+        ("jerk", "rad/s³", limits.jerk, JERK_SHARE * own.jerk),
+    ):
+        for name, value, allowed in zip(names, values.tolist(), most.tolist(), strict=True):
+            if value > allowed:
+                return (
+                    f"the {what} of {name} is {value:g}, and more than {allowed:g} {unit} leaves no room for setpoints "
+                    "that come late: lower robot.acceleration_rad_s2 and robot.jerk_rad_s3"
+                )
+    return ""
 
 
 class StepCheck:

@@ -1,4 +1,4 @@
-"""What the driver needs of libfranka: a state, a motion that is fed each millisecond, the gripper; and how they fail."""
+"""What the driver needs of libfranka: states, a motion that is fed each millisecond, the gripper; and how they fail."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -63,7 +63,7 @@ class RobotPort(Protocol):
 
 
 class HandPort(Protocol):
-    """A connection to the gripper's server; `open` and `close` wait until the fingers rest, and say whether they did."""
+    """A connection to the gripper's server; `open` and `close` wait for the fingers, and say whether all went well."""
 
     def read(self) -> HandState: ...
 

@@ -49,7 +49,7 @@ class RobotProcesses:
     def _run_arm(self, setup: DriverSetup, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
         config = self._config
         connect = connected_once(partial(FrankaRobot, config.host, realtime=config.realtime))
-        loop = ArmLoop(connect, self.arm, setup, config.buffer_ms / 1000, self._clock)
+        loop = ArmLoop(connect, self.arm, setup, self._clock)
         ask_for_real_time(FIFO_PRIORITY)
         run_arm_loop(loop, should_stop, heartbeat.beat)
 

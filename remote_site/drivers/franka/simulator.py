@@ -28,7 +28,7 @@ MISSING = "the simulated FR3 needs franky-sim: pip install 'farhand[franka-sim]'
 
 
 class SimulatedTime:
-    """A `Clock` of the simulated robot's milliseconds, in memory shared across a fork; it begins with this machine's."""
+    """A `Clock` of the simulated robot's milliseconds, shared across a fork; it begins with this machine's time."""
 
     def __init__(self) -> None:
         self._time_ns = np.frombuffer(mmap.mmap(-1, 8), dtype=np.int64)
