@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import msgspec
 
 from common.clock import Clock, MonotonicClock
-from common.process.children import Children, Heartbeat
+from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.service import StopFlag
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import FRANKA
@@ -52,5 +52,6 @@ def _start_franka(config: RemoteConfig, children: Children) -> tuple[Mapping[str
         simulator.run_simulator(host, config.robot.start.tolist(), clock, should_stop, heartbeat.beat)
 
     children.start("robot", simulate)
+    children.wait_ready(READY_TIMEOUT_S, StopFlag())  # the driver connects at its start
     given = {"follow_ms": SIMULATED_FOLLOW_MS, **config.driver.options}
     return given | {"host": host, "realtime": False}, clock

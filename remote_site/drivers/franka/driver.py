@@ -79,13 +79,11 @@ class FrankaDriver:
             raise DriverError(wrong)
         self._setup = setup
         self._side.start(setup)
-        end_ns = self._clock.now_ns() + CONNECT_NS
-        while not self._side.arm.status.t_ns:
-            if failure := self._side.failure():
-                raise DriverError(failure)
-            if self._clock.now_ns() > end_ns:
-                raise DriverError(f"the robot at {self._config.host} does not answer; check its power and the cable")
-            self._clock.sleep_until_ns(self._clock.now_ns() + POLL_NS)
+        try:
+            self._wait_for_state()
+        except BaseException:
+            self._side.end()  # a process that still waits for the robot would keep this one from ending
+            raise
 
     def activate(self, q0: Array) -> None:
         """Have the robot acknowledge its errors, and begin a motion at rest at `q0`."""
@@ -135,6 +133,15 @@ class FrankaDriver:
     def _at_rest(self) -> JointCommand:
         zero = np.zeros(JOINTS)
         return JointCommand(0, self._clock.now_ns(), self._q0, zero, zero, GripperCommand.KEEP)
+
+    def _wait_for_state(self) -> None:
+        end_ns = self._clock.now_ns() + CONNECT_NS
+        while not self._side.arm.status.t_ns:
+            if failure := self._side.failure():
+                raise DriverError(failure)
+            if self._clock.now_ns() > end_ns:
+                raise DriverError(f"the robot at {self._config.host} does not answer; check its power and the cable")
+            self._clock.sleep_until_ns(self._clock.now_ns() + POLL_NS)
 
     def _measured(self) -> ArmStatus:
         if self._setup is None:
