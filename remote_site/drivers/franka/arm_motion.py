@@ -7,7 +7,7 @@ from common.geometry import Array
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.franka.robot_limits import FR3, TICK_S, StepCheck
-from remote_site.drivers.franka.setpoint_filter import SetpointFilter
+from remote_site.drivers.franka.setpoint_filter import SetpointFilter, braking_limits
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import JointStop, stops
 
@@ -39,7 +39,8 @@ class ArmMotion:
     def brake(self, why: RobotFault | None = None) -> None:
         """Come to rest within the limits of the setup, and end; setpoints count no more."""
         if self._stops is None:
-            self._stops, self.fault = stops(self._filter.motion, self._limits), why
+            motion = self._filter.motion
+            self._stops, self.fault = stops(motion, braking_limits(self._limits, motion)), why
 
     @property
     def obeyed(self) -> int | None:
@@ -67,11 +68,12 @@ class ArmMotion:
 
     def _follow(self, ticks: int, now_ns: int) -> None:
         """Go on with the setpoints; brake from the last step where they cease, or the next one breaks a limit."""
+        if self._filter.starved_ns(now_ns) > WATCHDOG_MS * NS_PER_MS:
+            self.brake(STARVED)
+            return
         before = self._filter.motion
         for earlier in reversed(range(ticks)):
             self._filter.step(now_ns - earlier * NS_PER_MS)
-        if self._filter.starved_ns(now_ns) > WATCHDOG_MS * NS_PER_MS:
-            self.brake(STARVED)
-        elif broken := self._check.broken(self._filter.motion.q + self._offset, ticks):
+        if broken := self._check.broken(self._filter.motion.q + self._offset, ticks):
             self._filter.motion = before
             self.brake(RobotFault(FaultCode.LIMITS, f"{broken}; the arm has braked", "step"))

@@ -5,6 +5,8 @@ to at once. So between setpoints their motion is continued, and a filter of the 
 speed, acceleration and jerk, so that it does not lag behind, and makes up for what remains gently.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from common.clock import NS_PER_S
@@ -62,7 +64,12 @@ class SetpointFilter:
             return motion, self._jerk
         motion = _continued(motion, still, min(age_s, GRACE_TICKS * self._dt) - self._dt)
         over_s = age_s - GRACE_TICKS * self._dt
-        return (motion if over_s <= 0.0 else stopping(motion, self._limits, over_s)), still
+        return (motion if over_s <= 0.0 else stopping(motion, braking_limits(self._limits, motion), over_s)), still
+
+
+def braking_limits(limits: JointLimits, motion: JointMotion) -> JointLimits:
+    """The limits of a stop from a motion that accelerates a little harder than they allow: it does so at first."""
+    return replace(limits, acceleration=np.maximum(limits.acceleration, np.abs(motion.ddq)))
 
 
 def _continued(motion: JointMotion, jerk: Array, t: float) -> JointMotion:
