@@ -1,5 +1,6 @@
 """The processes that talk to the robot and its gripper: one each, since the maker's client keeps Python's lock."""
 
+import gc
 from functools import partial
 
 from common.clock import Clock
@@ -51,6 +52,8 @@ class RobotProcesses:
         connect = connected_once(partial(FrankaRobot, config.host, realtime=config.realtime))
         loop = ArmLoop(connect, self.arm, setup, self._clock)
         ask_for_real_time(FIFO_PRIORITY)
+        gc.collect()
+        gc.freeze()  # collecting all that was imported would take several of the robot's milliseconds
         run_arm_loop(loop, should_stop, heartbeat.beat)
 
     def _run_hand(self, memory: HandMemory, setup: DriverSetup, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
