@@ -7,6 +7,7 @@ from functools import partial
 
 import msgspec
 
+from common.clock import MonotonicClock
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.log import start_log
 from common.process.service import StopFlag, ask_for_real_time
@@ -71,7 +72,7 @@ def _stand(config: RemoteConfig, children: Children) -> DriverStand:
     host = DriverHost(clock, config.driver.options, memory)
     make = partial(create_driver, config.driver.name, host)
     measure_pauses = partial(machine_pauses, children.numbers)
-    return DriverStand(clock, setup_of(config), make, config.robot.start, measure_pauses)
+    return DriverStand(clock, setup_of(config), make, config.robot.start, measure_pauses, MonotonicClock())
 
 
 def _doze(should_stop: StopFlag, heartbeat: Heartbeat) -> None:

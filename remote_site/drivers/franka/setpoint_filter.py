@@ -1,6 +1,6 @@
 """From setpoints, 250 a second and never quite on time, to a smooth motion each millisecond; pure.
 
-A setpoint that comes half a millisecond late, at speed, would be ten times the jerk that the robot allows, were it gone
+A setpoint that comes half a millisecond late, at speed, would be 200 times the jerk that the robot allows, were it gone
 to at once. So between setpoints their motion is continued, and a filter of the third order goes with it: it takes over
 speed, acceleration and jerk, so that it does not lag behind, and makes up for what remains gently.
 """

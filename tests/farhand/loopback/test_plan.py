@@ -93,9 +93,9 @@ def test_a_driver_of_one_arm_brings_its_file(monkeypatch: pytest.MonkeyPatch) ->
         assert (remote.driver.name, remote.driver.emulate, remote.robot.model) == ("franka", True, "fr3")
     kinematic = plan_of(LoopbackOptions(arm="fr3", driver="kinematic")).remote.load()
     assert (kinematic.driver.name, kinematic.driver.emulate, kinematic.robot.model) == ("kinematic", False, "fr3")
-    with pytest.raises(ConfigError, match="the driver franka is the fr3's; use simulated or kinematic for the humanoid"):
+    with pytest.raises(ConfigError, match="the driver franka is the fr3's; use simulated or kinematic for"):
         plan_of(LoopbackOptions(arm="humanoid", driver="franka"))
-    with pytest.raises(ConfigError, match=r"driver\.options\.host: the loopback emulates the robot; leave the host out"):
+    with pytest.raises(ConfigError, match=r"driver\.options\.host: .* emulates the robot; leave the host out"):
         plan_of(LoopbackOptions(driver="franka", settings=("driver.options.host=172.16.0.2",)))
 
 
