@@ -42,6 +42,7 @@ class ArmLoop:
         self._q0: Array | None = None  # where an activation waits for the robot to be idle
         self._brakes = False
         self._fault: RobotFault | None = None
+        self._aborted = ""  # what libfranka says of a motion that the robot has broken off
 
     @property
     def moving(self) -> bool:
@@ -65,7 +66,8 @@ class ArmLoop:
         except LinkLostError as error:
             self._lose(error)
         except MotionAbortedError as error:
-            self._abort(str(error))
+            self._aborted = str(error)  # the next state says why
+            self._end_motion(RobotFault(FaultCode.ROBOT, f"the robot has broken off its motion: {error}", "aborted"))
         except RobotRefusedError as error:
             self._end_motion(RobotFault(FaultCode.REFUSED, f"the robot refuses: {error}"))
             self._report()
@@ -84,6 +86,9 @@ class ArmLoop:
 
     def _idle(self, robot: RobotPort) -> None:
         state = self._note(robot.read())
+        if self._aborted:
+            why = fault_of(state.errors or state.motion_errors, self._aborted) or mode_fault(state.mode)
+            self._fault, self._aborted = why or self._fault, ""
         if self._q0 is not None:
             self._begin(robot, state, self._q0)
         self._report()
@@ -112,7 +117,7 @@ class ArmLoop:
             motion.brake()
         ticks = 1 if before is None else max(round((state.t_ns - before.t_ns) / NS_PER_MS), 1)
         q = motion.step(ticks, self._stamp_ns)
-        if motion.fault is not None and self._fault is None:
+        if motion.fault is not None and self._fault is None and self._q0 is None:
             self._fault = motion.fault
         port.write(q, finished=motion.finished)
         if motion.finished:
@@ -123,14 +128,6 @@ class ArmLoop:
         self._state, self._stamp_ns = state, self._time.stamp(state.t_ns, self._clock.now_ns())
         return state
 
-    def _abort(self, said: str) -> None:
-        """The robot has broken off the motion: its next state says why."""
-        self._end_motion(RobotFault(FaultCode.ROBOT, f"the robot has broken off its motion: {said}", "aborted"))
-        if self._robot is not None:
-            state = self._note(self._robot.read())
-            self._fault = fault_of(state.errors or state.motion_errors, said) or mode_fault(state.mode) or self._fault
-        self._report()
-
     def _end_motion(self, fault: RobotFault | None) -> None:
         self._port, self._motion, self._fault = None, None, fault
 
@@ -138,7 +135,7 @@ class ArmLoop:
         """Connect anew, after a while; the stamps show since when nothing is measured."""
         structlog.get_logger().warning("the robot does not answer", said=str(error))
         self._end_motion(RobotFault(FaultCode.LINK, f"the robot does not answer: {error}; check cable and power"))
-        self._robot, self._time = None, RobotTime()
+        self._robot, self._time, self._q0, self._aborted = None, RobotTime(), None, ""
         self._report()
         self._clock.sleep_until_ns(self._clock.now_ns() + AGAIN_NS)
 
@@ -174,7 +171,7 @@ def connected_once(connect: Callable[[], RobotPort]) -> Callable[[], RobotPort]:
             robot = connect()
         except DriverError as error:
             if seen:
-                raise
+                raise LinkLostError(str(error)) from error
             raise DriverError(f"the robot cannot be reached: {error}; is FCI active in Desk?") from error
         seen = True
         return robot

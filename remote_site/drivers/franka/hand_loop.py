@@ -10,10 +10,11 @@ from common.errors import DriverError
 from common.messages.robot import GripperCommand
 from common.process.service import StopFlag
 from remote_site.drivers.franka.arm_memory import HandMemory
-from remote_site.drivers.franka.robot_port import HandPort, LinkLostError
+from remote_site.drivers.franka.robot_port import HandPort, LinkLostError, RobotRefusedError
 
 PAUSE_NS = 10 * NS_PER_MS
 AGAIN_NS = NS_PER_S
+HOMED_M = 0.01  # a hand that was not homed since its start reports a width of 0
 
 
 class HandLoop:
@@ -38,7 +39,8 @@ class HandLoop:
         count, gripper = self._memory.ordered()
         try:
             if self._hand is None:
-                self._hand = self._connect()
+                hand = self._connect()
+                self._widest_m, self._hand = hand.read().widest_m, hand
             if count != self._done:
                 self._obey(self._hand, count, gripper)
             state = self._hand.read()
@@ -52,6 +54,8 @@ class HandLoop:
 
     def _obey(self, hand: HandPort, count: int, gripper: GripperCommand) -> None:
         try:
+            if gripper is GripperCommand.OPEN and self._widest_m < HOMED_M:
+                raise RobotRefusedError("it has not been homed, and does not know how wide it opens")
             if gripper is GripperCommand.OPEN:
                 done = hand.open(self._widest_m, self._speed_m_s)
             else:

@@ -26,7 +26,6 @@ SETUP = setup_of(CONFIG)
 LAG_S = 0.01
 SAG = np.array([0.0, 0.004, 0.0, -0.003, 0.0, 0.002, 0.0])  # rad, by which the arm hangs below where it is held
 BEGUN_NS = 77_000 * NS_PER_MS  # of the robot's own time
-WIDEST_M = 0.08
 
 
 @dataclass
@@ -88,11 +87,12 @@ class FakeHand:
 
     opening_m: float = 0.04
     object_m: float = 0.0
+    widest_m: float = 0.08
     raises: DriverError | None = None
     calls: list[str] = field(default_factory=list)
 
     def read(self) -> HandState:
-        return HandState(self.opening_m, WIDEST_M)
+        return HandState(self.opening_m, self.widest_m)
 
     def open(self, width_m: float, speed_m_s: float) -> bool:  # noqa: ARG002  # as the protocol names it
         self._note(f"open {width_m:g}")

@@ -135,6 +135,23 @@ def test_a_lost_link_is_a_fault_and_a_reading_that_ages_until_it_is_back() -> No
     assert arm.activate().code() == ""
 
 
+def test_a_link_that_is_lost_with_the_motion_does_not_end_the_process() -> None:
+    arm = DrivenArm().activate().move(200)
+    arm.robot.raises["read"] = MotionAbortedError(REFLEX)
+    arm.side.pass_ms(1)
+    arm.robot.raises["read"] = LinkLostError("gone")
+    arm.side.pass_ms(1)
+    assert arm.code() == "link"
+
+
+def test_an_activation_that_a_lost_link_overtook_moves_nothing_later() -> None:
+    arm = DrivenArm()
+    arm.driver.activate(arm.read().q)
+    arm.robot.raises["read"] = LinkLostError("gone")
+    arm.side.pass_ms(100)
+    assert (arm.code(), arm.robot.calls) == ("link", [])
+
+
 def test_setpoints_that_cease_lead_to_rest() -> None:
     arm = DrivenArm().activate().move(400)
     arm.side.pass_ms(800)
@@ -225,6 +242,16 @@ def test_the_gripper_obeys_each_change_once_and_is_not_measured_meanwhile() -> N
     grip = arm.read().gripper
     assert grip is not None
     assert (grip.opening_m, grip.force_n) == (0.08, None)
+
+
+def test_a_gripper_that_was_not_homed_is_not_sent_to_its_unknown_width() -> None:
+    arm = DrivenArm(hand=FakeHand(widest_m=0.0)).activate()
+    arm.write(JointMotion.at_rest(arm.read().q), GripperCommand.OPEN)
+    arm.side.pass_ms(40)
+    assert arm.hand.calls == []
+    grip = arm.read().gripper
+    assert grip is not None
+    assert grip.opening_m == 0.04
 
 
 @pytest.mark.parametrize("error", [RobotRefusedError("not homed"), LinkLostError("gone")])
