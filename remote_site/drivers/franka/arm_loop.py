@@ -169,7 +169,7 @@ def connected_once(connect: Callable[[], RobotPort]) -> Callable[[], RobotPort]:
         nonlocal seen
         try:
             robot = connect()
-        except DriverError as error:
+        except (LinkLostError, RobotRefusedError) as error:
             if seen:
                 raise LinkLostError(str(error)) from error
             raise DriverError(f"the robot cannot be reached: {error}; is FCI active in Desk?") from error

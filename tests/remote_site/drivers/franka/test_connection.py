@@ -28,6 +28,11 @@ def test_a_first_connection_that_fails_says_what_to_do() -> None:
     assert not isinstance(raised.value, LinkLostError)
 
 
+def test_a_kernel_without_real_time_is_not_called_a_robot_out_of_reach() -> None:
+    with pytest.raises(DriverError, match="^the kernel has no real time$"):
+        connected_once(Door(DriverError("the kernel has no real time")))()
+
+
 @pytest.mark.parametrize("error", [LinkLostError("gone"), RobotRefusedError("busy")])
 def test_a_later_one_is_tried_again(error: DriverError) -> None:
     door = Door()
