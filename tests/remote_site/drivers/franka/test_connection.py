@@ -29,7 +29,7 @@ def test_a_first_connection_that_fails_says_what_to_do() -> None:
 
 
 def test_a_kernel_without_real_time_is_not_called_a_robot_out_of_reach() -> None:
-    with pytest.raises(DriverError, match="^the kernel has no real time$"):
+    with pytest.raises(DriverError, match=r"^the kernel has no real time$"):
         connected_once(Door(DriverError("the kernel has no real time")))()
 
 
