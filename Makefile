@@ -6,7 +6,7 @@ export PYTHONDONTWRITEBYTECODE :=  # every process would compile all modules aga
 
 READERS := build/dataset-readers
 
-.PHONY: loopback learned dataset-readers test long faults check bench fuzz results
+.PHONY: loopback learned franka dataset-readers test long faults check bench fuzz results
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
@@ -16,6 +16,9 @@ learned: $(READY)  ## runtime and models of the tracker for ordinary rooms, whic
 	@$(BIN)/farhand models install
 	@echo 'Compiling the tracker for rooms (once, up to two minutes) ...'
 	@$(BIN)/python -m local_site.runtime.warm_up learned
+
+franka: $(READY)  ## the client of the FR3 and a simulator that speaks its protocol, which the other commands do without
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[franka-sim]'
 
 dataset-readers: $(READERS)/ready  ## programs of others that read exported datasets, in an environment of their own, for the tests
 

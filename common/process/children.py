@@ -107,7 +107,7 @@ class Children:
         """Wait for the first beat of every vital child; ProcessError when one dies or the time is up."""
         deadline = time.monotonic() + timeout_s
         while not should_stop() and self._not_ready():
-            self._check_alive()
+            self.check_alive()
             if time.monotonic() > deadline:
                 late = ", ".join(self._not_ready())
                 raise ProcessError(f"{self.site}: {late} not ready after {timeout_s:g} s; {CURE}")
@@ -115,7 +115,7 @@ class Children:
 
     def check(self) -> None:
         """ProcessError with the name of a vital child that died or gave no beat for five seconds."""
-        self._check_alive()
+        self.check_alive()
         for child in self.children:
             if child.vital and time.monotonic_ns() - child.heartbeat.last_ns > HEARTBEAT_TIMEOUT_S * NS_PER_S:
                 raise ProcessError(
@@ -125,7 +125,8 @@ class Children:
     def _not_ready(self) -> list[str]:
         return [child.name for child in self.children if child.vital and child.heartbeat.last_ns == 0]
 
-    def _check_alive(self) -> None:
+    def check_alive(self) -> None:
+        """ProcessError with the name of a vital child that died."""
         dead = [child for child in self.children if not child.process.is_alive()]
         for child in dead:
             if child.vital:

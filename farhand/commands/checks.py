@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.options import ConfigFile, Settings, load_own
+from farhand.commands.options import ConfigFile, Emulate, Settings, driver_file, emulation, load_own
 from farhand.exit_codes import FAILED, UNDECIDED
 from farhand.terminal import say
 
@@ -69,6 +69,7 @@ def run_suite(
     name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.")],
     config: ConfigFile = None,
     settings: Settings = None,
+    emulate: Emulate = False,
 ) -> None:
     """Check a driver against everything that Farhand expects of one; it MOVES the gripper and every joint, one by 40°.
 
@@ -80,7 +81,8 @@ def run_suite(
     from remote_site.drivers.conformance.verdicts import Verdict
     from remote_site.runtime.conformance import test_driver
 
-    loaded = load_own(RemoteConfig, config, [*(settings or ()), f"driver.name={name}"])
+    chosen = [*(settings or ()), f"driver.name={name}", *emulation(emulate)]
+    loaded = load_own(RemoteConfig, config or driver_file(name), chosen)
     verdicts = test_driver(loaded, say)
     if Verdict.FAILED in verdicts:
         raise typer.Exit(FAILED)

@@ -24,6 +24,9 @@ ConfigFile = Annotated[
 ]
 Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value; repeatable.")]
 LogLines = Annotated[LogFormat, typer.Option("--log-format", help="text (level=... event=...) or json, on stderr.")]
+Emulate = Annotated[
+    bool, typer.Option("--emulate", help="c500c, franka: an emulated robot; the same as --set driver.emulate=true.")
+]
 
 LinksFile = Annotated[
     Path | None, typer.Option("--config", help="The console's TOML file: cell, operator, endpoints and certificates.")
@@ -44,6 +47,18 @@ def until_signal() -> StopFlag:
     should_stop = StopFlag()
     should_stop.install()
     return should_stop
+
+
+def emulation(asked: bool) -> tuple[str, ...]:
+    """The setting of `--emulate`."""
+    return ("driver.emulate=true",) if asked else ()
+
+
+def driver_file(name: str | None) -> Path | None:
+    """The remote site's file of the only arm that a driver moves, None where it moves any."""
+    from remote_site.drivers.config import DRIVER_FILES
+
+    return DRIVER_FILES.get(name or "")
 
 
 def load_own(kind: type[C], path: Path | None, settings: Sequence[str] = ()) -> C:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.options import TRACKER_HELP, Settings, until_signal
+from farhand.commands.options import TRACKER_HELP, Emulate, Settings, emulation, until_signal
 from local_site.tracking.config import Method
 
 
@@ -21,13 +21,15 @@ def loopback(
     ] = None,
     settings: Settings = None,
     driver: Annotated[
-        str | None, typer.Option(help="simulated (physics), kinematic (perfect), c500c (emulated) or an installed one.")
+        str | None,
+        typer.Option(help="simulated (physics), kinematic (perfect), c500c or franka (emulated), or an installed one."),
     ] = None,
     motion: Annotated[str | None, typer.Option(help="What the simulated operator does; else pick_and_place.")] = None,
     tracker: Annotated[Method | None, typer.Option(help=TRACKER_HELP)] = None,
     arm: Annotated[
-        str | None, typer.Option(help="a465, or humanoid: an upright torso with a right arm of seven axes.")
+        str | None, typer.Option(help="a465, fr3, or humanoid: an upright torso with a right arm of seven axes.")
     ] = None,
+    emulate: Emulate = False,
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
     record: Annotated[Path | None, typer.Option(help="Record the run into this new MCAP file.")] = None,
 ) -> None:
@@ -42,7 +44,7 @@ def loopback(
     from farhand.loopback.run import run_loopback
 
     files = tuple(file for each in config or () for file in configuration_files(each))
-    given = files, tuple(settings or ())
+    given = files, (*(settings or ()), *emulation(emulate))
     options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless, record, *given)
     run_loopback(options, until_signal())
 

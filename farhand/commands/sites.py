@@ -6,14 +6,23 @@ from typing import Annotated
 import typer
 
 from common.process.log import LogFormat
-from farhand.commands.options import ConfigFile, LogLines, Settings, load_own, until_signal
+from farhand.commands.options import (
+    ConfigFile,
+    Emulate,
+    LogLines,
+    Settings,
+    driver_file,
+    emulation,
+    load_own,
+    until_signal,
+)
 
 
 def remote(
     config: ConfigFile = None,
     settings: Settings = None,
     driver: Annotated[str | None, typer.Option(help="The robot's driver: the same as --set driver.name=NAME.")] = None,
-    emulate: Annotated[bool, typer.Option("--emulate", help="c500c: against an emulated controller.")] = False,
+    emulate: Emulate = False,
     cell: Annotated[str, typer.Option(help="Name of this cell: the same as --set cell=NAME.")] = "",
     log_format: LogLines = LogFormat.TEXT,
 ) -> None:
@@ -24,9 +33,10 @@ def remote(
     from remote_site.config import RemoteConfig
     from remote_site.runtime.app import run_remote
 
-    chosen = ([f"driver.name={driver}"] if driver else []) + (["driver.emulate=true"] if emulate else [])
+    chosen = [*([f"driver.name={driver}"] if driver else []), *emulation(emulate)]
     chosen += [f"cell={cell}"] if cell else []
-    run_remote(load_own(RemoteConfig, config, [*(settings or ()), *chosen]), until_signal(), log_format)
+    file = config or driver_file(driver)
+    run_remote(load_own(RemoteConfig, file, [*(settings or ()), *chosen]), until_signal(), log_format)
 
 
 def local(

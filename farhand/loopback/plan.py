@@ -20,7 +20,7 @@ from farhand.loopback.site_process import free_ports
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
-from remote_site.drivers.config import EMULATED
+from remote_site.drivers.config import ADDRESS_OPTIONS
 from remote_site.drivers.registry import check_driver
 from remote_site.session.config import EngagementMode
 
@@ -143,7 +143,11 @@ def _given(options: LoopbackOptions) -> tuple[SitePlan[RemoteConfig], SitePlan[L
     operator = [f"simulation.motion.name={options.motion}"] if options.motion else []
     operator += [f"tracking.method={options.tracker}"] if options.tracker else []
     return (
-        SitePlan(RemoteConfig, files.get(RemoteConfig, arm_file(options.arm)), (*settings[RemoteConfig], *driver)),
+        SitePlan(
+            RemoteConfig,
+            files.get(RemoteConfig, arm_file(options.arm, options.driver)),
+            (*settings[RemoteConfig], *driver),
+        ),
         SitePlan(LocalConfig, files.get(LocalConfig), (*settings[LocalConfig], *operator)),
     )
 
@@ -193,10 +197,11 @@ def _remote_needs(remote: SitePlan[RemoteConfig], tracker: str) -> SitePlan[Remo
     remote = remote.preferring("video.calibrated=true")
     driver = remote.load().driver.name
     check_driver(driver)
-    if driver == EMULATED:
-        if remote.gives("driver.options.port"):
-            raise ConfigError("driver.options.port: the loopback emulates the controller; leave the port out")
-        remote = remote.needing("driver.emulate=true", "since it never drives the real controller")
+    if driver in ADDRESS_OPTIONS:
+        address = ADDRESS_OPTIONS[driver]
+        if remote.gives(f"driver.options.{address}"):
+            raise ConfigError(f"driver.options.{address}: the loopback emulates the robot; leave the {address} out")
+        remote = remote.needing("driver.emulate=true", "since it never drives the real robot")
     remote = remote.preferring(f"engagement.mode={EngagementMode.AUTOMATIC}")  # nobody is there to engage
     for setting in arm_settings(tracker):
         remote = remote.needing(setting, f"since the {tracker} tracker's camera sees the palm from the right")

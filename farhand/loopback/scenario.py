@@ -4,11 +4,16 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from common.errors import ConfigError
-from remote_site.drivers.config import EMULATED
+from remote_site.drivers.config import C500C, DRIVER_FILES, FRANKA
 from remote_site.kinematics.config import MODELS
 
-A465, HUMANOID = "a465", "humanoid"
-ARM_FILES: Mapping[str, Path | None] = {A465: None, HUMANOID: MODELS / HUMANOID / f"{HUMANOID}.toml"}
+A465, HUMANOID, FR3 = "a465", "humanoid", "fr3"
+ARM_FILES: Mapping[str, Path | None] = {
+    A465: None,
+    HUMANOID: MODELS / HUMANOID / f"{HUMANOID}.toml",
+    FR3: DRIVER_FILES[FRANKA],
+}
+ARM_OF_DRIVER = {C500C: A465, FRANKA: FR3}
 MARKERS, MONOCULAR, LEARNED = "markers", "monocular", "learned"
 EMPTY_S = 3.0  # 38 pairs, of which the tracker learns the room, take 2.6 s of it
 ROOM_FPS = 15.0  # an office in colour takes half as long to draw as the arm in it to track, on the same processors
@@ -21,15 +26,18 @@ def check_scenario(tracker: str, arm: str | None, motion: str, driver: str) -> N
     """ConfigError for an arm that this driver cannot move, and for a motion that the simulated operator cannot make."""
     if tracker == MONOCULAR and motion != USUAL_MOTION:
         raise ConfigError("the textured arm before one camera has a motion of its own; leave --motion out")
-    if arm == HUMANOID and driver == EMULATED:
-        raise ConfigError(f"the driver {EMULATED} is the A465's; use simulated or kinematic for the {arm} arm")
+    own = ARM_OF_DRIVER.get(driver)
+    if arm is not None and own is not None and arm != own:
+        raise ConfigError(f"the driver {driver} is the {own}'s; use simulated or kinematic for the {arm} arm")
 
 
-def arm_file(arm: str | None) -> Path | None:
-    """The remote site's file for an arm, None for the defaults; ConfigError when there is no such arm."""
-    if arm is not None and arm not in ARM_FILES:
+def arm_file(arm: str | None, driver: str | None) -> Path | None:
+    """The remote site's file for an arm, or a driver's own; None for the defaults; ConfigError without such an arm."""
+    if arm is None:
+        return DRIVER_FILES.get(driver or "")
+    if arm not in ARM_FILES:
         raise ConfigError(f"there is no arm {arm!r}; choose one of: {', '.join(ARM_FILES)}")
-    return ARM_FILES[arm] if arm is not None else None
+    return ARM_FILES[arm]
 
 
 def operator_settings(tracker: str) -> tuple[str, ...]:

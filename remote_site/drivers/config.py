@@ -1,30 +1,36 @@
 """The parameters of driver and gripper."""
 
+from collections.abc import Mapping
 from typing import Annotated
 
 import msgspec
 from msgspec import Meta, field
 
+from remote_site.kinematics.config import MODELS
 from remote_site.simulation.config import SIMULATED
 
-EMULATED = "c500c"
-KINEMATIC = "kinematic"
+C500C, FRANKA, KINEMATIC = "c500c", "franka", "kinematic"
+# What can be emulated, each with the option that says where the real one is.
+ADDRESS_OPTIONS: Mapping[str, str] = {C500C: "port", FRANKA: "host"}
+# The remote site's file of the only arm that a driver moves.
+DRIVER_FILES = {FRANKA: MODELS / "fr3" / "fr3.toml"}
 
 
 class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Which robot is driven."""
 
-    name: Annotated[str, Meta(min_length=1, description="kinematic, simulated, c500c, or an installed driver")] = (
-        SIMULATED
-    )
-    emulate: Annotated[bool, Meta(description="c500c: against an emulated controller instead of a serial line")] = False
+    name: Annotated[
+        str, Meta(min_length=1, description="kinematic, simulated, c500c, franka, or an installed driver")
+    ] = SIMULATED
+    emulate: Annotated[bool, Meta(description="c500c, franka: against an emulated robot instead of a real one")] = False
     options: Annotated[
         dict[str, str | int | float | bool], Meta(description="the driver's own options, by its own keys")
     ] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if self.emulate and self.name != EMULATED:
-            raise ValueError(f"driver.emulate is for the driver {EMULATED}; {self.name} has no emulator")
+        if self.emulate and self.name not in ADDRESS_OPTIONS:
+            can = ", ".join(ADDRESS_OPTIONS)
+            raise ValueError(f"driver.emulate is for the drivers {can}; {self.name} has no emulator")
 
     @property
     def moves_nothing_real(self) -> bool:

@@ -29,3 +29,19 @@ def c500c(host: DriverHost) -> Driver:
 
     config = check_options(C500cConfig, host.options)
     return C500cDriver(config, open_port(config.port, config.baud), host.clock)
+
+
+def franka(host: DriverHost) -> Driver:
+    """An FR3 of Franka Robotics, with or without its hand."""
+    from remote_site.drivers.franka.client import check_installed  # noqa: PLC0415  # only this robot's
+    from remote_site.drivers.franka.config import FrankaConfig  # noqa: PLC0415  # only this robot's
+    from remote_site.drivers.franka.driver import FrankaDriver  # noqa: PLC0415  # only this robot's
+    from remote_site.drivers.franka.robot_side import RobotProcesses  # noqa: PLC0415  # only this robot's
+
+    config = check_options(FrankaConfig, host.options)
+    check_installed()
+    if not config.host:
+        raise DriverError(
+            "the franka driver needs the robot's address: set driver.options.host, or start with --emulate"
+        )
+    return FrankaDriver(config, RobotProcesses(config, host.clock), host.clock)

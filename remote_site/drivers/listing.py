@@ -10,7 +10,10 @@ from importlib.util import find_spec
 from remote_site.drivers.registry import GROUP
 
 OWN = "farhand"
-OWN_NEEDS = {"simulated": ("mujoco", "MuJoCo is not installed: pip install 'farhand[sim]'")}  # in the cell's process
+OWN_NEEDS = {  # in processes of their own
+    "simulated": ("mujoco", "MuJoCo is not installed: pip install 'farhand[sim]'"),
+    "franka": ("pylibfranka", "pylibfranka is not installed: pip install 'farhand[franka]'"),
+}
 UNDESCRIBED = "no description: its factory has no docstring"
 
 
@@ -51,9 +54,15 @@ def _listed(point: EntryPoint, *, shared: bool) -> ListedDriver:
         return ListedDriver(point.name, origin, "", f"{point.value} cannot be called: it is no factory of drivers")
     description = (inspect.getdoc(factory) or UNDESCRIBED).partition("\n")[0]
     missing = [f"another package provides {point.name} too: uninstall one of them"] if shared else []
-    if _is_own(point) and (need := OWN_NEEDS.get(point.name)) is not None and find_spec(need[0]) is None:
-        missing.append(need[1])
+    if _is_own(point) and (need := missing_package(point.name)):
+        missing.append(need)
     return ListedDriver(point.name, origin, description, "; ".join(missing))
+
+
+def missing_package(name: str) -> str:
+    """What a driver of Farhand's own lacks on this machine, and how to install it; "" for nothing."""
+    need = OWN_NEEDS.get(name)
+    return need[1] if need is not None and find_spec(need[0]) is None else ""
 
 
 def _is_own(point: EntryPoint) -> bool:

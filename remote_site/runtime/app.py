@@ -5,7 +5,6 @@ from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
 
-import msgspec
 import structlog
 
 from common.clock import MonotonicClock
@@ -37,6 +36,7 @@ from remote_site.runtime.checks import check_robot, say_what_is_not_guarded
 from remote_site.runtime.control import run_control
 from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import run_driver
+from remote_site.runtime.emulated_robot import start_robot
 from remote_site.runtime.links import open_site_link
 from remote_site.runtime.site_memory import SiteMemory
 from remote_site.session.config import EngagementMode
@@ -101,7 +101,7 @@ def _start_children(
     simulated = config.cell_is_simulated or config.views_are_simulated
     memory = CellMemory.create(len(config.robot.start_deg)) if simulated else None
     driver_memory = DriverMemory.create(len(config.robot.start_deg))
-    config = start_robot(config, children)
+    config, _ = start_robot(config, children)
     if memory is not None and config.cell_is_simulated:
         children.start("cell", partial(run_cell_child, config, memory, witness))
     children.start("driver", partial(run_driver, config, driver_memory, memory))
@@ -146,25 +146,6 @@ def _watch(children: Children, validity: CertificateValidity, should_stop: StopF
         if checks % CHECKS_PER_VALIDITY == 0:
             validity.check()
         notify("WATCHDOG=1")
-
-
-def start_robot(config: RemoteConfig, children: Children) -> RemoteConfig:
-    """Start the emulated controller if configured; the returned configuration names its serial line."""
-    if not config.driver.emulate:
-        return config
-    from remote_site.drivers.c500c.emulation import Emulation, Terminal, run_emulation  # noqa: PLC0415  # as below
-    from remote_site.drivers.c500c.emulator import EmulatedController  # noqa: PLC0415  # a real controller needs neither
-
-    terminal = Terminal.create()
-
-    def emulate(should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-        emulation = Emulation(EmulatedController(config.robot.start), time.monotonic_ns())
-        run_emulation(emulation, terminal, should_stop, heartbeat.beat)
-
-    children.start("robot", emulate)
-    options = dict(config.driver.options) | {"port": terminal.path}
-    driver = msgspec.structs.replace(config.driver, options=options)
-    return msgspec.structs.replace(config, driver=driver)
 
 
 def run_cell_child(

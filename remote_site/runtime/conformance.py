@@ -1,4 +1,4 @@
-"""Runs the conformance suite on the configured driver, with the simulated cell or emulated controller it needs."""
+"""Runs the conformance suite on the configured driver, with the simulated cell or emulated robot it needs."""
 
 import gc
 import time
@@ -12,14 +12,15 @@ from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.log import start_log
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig
-from remote_site.drivers.config import EMULATED
+from remote_site.drivers.config import ADDRESS_OPTIONS
 from remote_site.drivers.conformance.machine_pauses import counts_pauses, machine_pauses
 from remote_site.drivers.conformance.suite import verdicts_of
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.conformance.verdicts import Verdict
 from remote_site.drivers.registry import DriverHost, check_driver, create_driver
-from remote_site.runtime.app import run_cell_child, start_robot
+from remote_site.runtime.app import run_cell_child
 from remote_site.runtime.driver_process import FIFO_PRIORITY, setup_of
+from remote_site.runtime.emulated_robot import start_robot
 from remote_site.simulation.memory import CellMemory
 
 DOZE_S = 0.002
@@ -33,8 +34,9 @@ def test_driver(config: RemoteConfig, report: Callable[[str], None]) -> Collecti
     start_log("driver test")
     name = config.driver.name
     check_driver(name)
-    if name == EMULATED and "port" not in config.driver.options:
-        report("no driver.options.port is given, so this is the emulated controller")
+    address = ADDRESS_OPTIONS.get(name)
+    if address is not None and address not in config.driver.options:
+        report(f"no driver.options.{address} is given, so this is the emulated robot")
         config = msgspec.structs.replace(config, driver=msgspec.structs.replace(config.driver, emulate=True))
     if not counts_pauses():
         report(UNCOUNTED)
@@ -60,8 +62,8 @@ def _summary(verdicts: list[Verdict]) -> str:
 
 
 def _stand(config: RemoteConfig, children: Children) -> DriverStand:
-    clock, memory = MonotonicClock(), None
-    config = start_robot(config, children)
+    memory = None
+    config, clock = start_robot(config, children)
     if config.cell_is_simulated:
         memory = CellMemory.create(len(config.robot.start_deg))
         children.start("cell", partial(run_cell_child, config, memory, None))
@@ -70,7 +72,7 @@ def _stand(config: RemoteConfig, children: Children) -> DriverStand:
     host = DriverHost(clock, config.driver.options, memory)
     make = partial(create_driver, config.driver.name, host)
     measure_pauses = partial(machine_pauses, children.numbers)
-    return DriverStand(clock, setup_of(config), make, config.robot.start, measure_pauses)
+    return DriverStand(clock, setup_of(config), make, config.robot.start, measure_pauses, MonotonicClock())
 
 
 def _doze(should_stop: StopFlag, heartbeat: Heartbeat) -> None:

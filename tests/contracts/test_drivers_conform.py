@@ -1,11 +1,15 @@
 """Every driver of the house passes every check of the conformance suite; a bad one fails the check made for it."""
 
+from dataclasses import replace
+
 import pytest
 
+from common.clock import FakeClock
 from common.errors import DriverError
 from remote_site.drivers.conformance.checks import CHECKS
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.driver import Capabilities
+from remote_site.drivers.kinematic import KinematicDriver
 from tests.contracts.bad_drivers import (
     AnyRobot,
     Blocked,
@@ -65,6 +69,22 @@ def test_one_robot_passes_all_checks_one_after_the_other(stand):
 def test_the_a465_passes_with_lost_bytes():
     lines = []
     assert run_checks(c500c_stand(loss=0.0005), lines.append) == [], lines
+
+
+def test_calls_are_timed_by_a_clock_of_their_own_where_the_robots_is_a_simulators():
+    calls, lines = FakeClock(), []
+
+    class Waiting(KinematicDriver):
+        """Waits for its robot, whose clock stands still meanwhile."""
+
+        def read(self):
+            calls.advance_ms(60)
+            return super().read()
+
+    stand = replace(kinematic_stand(Waiting), call_clock=calls)
+    (check,) = (each for each in CHECKS if each.__name__ == "deadline")
+    assert run_checks(stand, lines.append, [check]) == ["deadline"]
+    assert "read took 60 ms (limit 50 ms)" in lines[0]
 
 
 @pytest.mark.parametrize(

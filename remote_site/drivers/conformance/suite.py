@@ -75,7 +75,7 @@ def _watched(check: Check, stand: DriverStand, call_s: float) -> Attempt:
 
 def _tried(check: Check, stand: DriverStand, monitor: CallMonitor) -> Attempt:
     with stand.measure_pauses() as meter:
-        watch = CallWatch(stand.clock, meter)
+        watch = CallWatch(stand.call_clock or stand.clock, meter)
         try:
             trial = Trial(stand, monitor, watch)
         except (Exception, SystemExit) as error:  # an installed driver may raise anything

@@ -59,6 +59,7 @@ class DriverStand:
     """A test stand: its clock, what makes a driver, and the posture in which the robot starts.
 
     `measure_pauses` is for a clock of real time, so that pauses of the machine are not taken for the driver's.
+    `call_clock` times the calls where the stand's clock is a simulator's, which may be slower than they are.
     """
 
     clock: Clock
@@ -66,6 +67,7 @@ class DriverStand:
     make: Callable[[], Driver]
     start: Array
     measure_pauses: MeasurePauses = no_pauses
+    call_clock: Clock | None = None
 
 
 class NoMark:

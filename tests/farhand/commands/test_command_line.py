@@ -125,7 +125,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
         (["calibrate", "latency", "--left", "/dev/video97"], 1, "camera left: cannot open /dev/video97"),
         (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
-        (["remote", "--emulate"], 2, "driver.emulate is for the driver c500c"),
+        (["remote", "--emulate"], 2, "driver.emulate is for the drivers c500c, franka; simulated has no emulator"),
         (["experiment", "dance", "--out", "never"], 2, "choose one of: all, calibration"),
         (["console", "--set", "serve.host=0.0.0.0"], 2, "needs token, certificate and key"),
         (["remote", "--set", "links.tls.ca=ca.pem"], 2, "give all three, or none"),

@@ -36,6 +36,7 @@ from local_site.console.config import ConsoleConfig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
+from remote_site.drivers.config import DRIVER_FILES, FRANKA
 from remote_site.kinematics.config import RobotConfig
 from tests.common.cameras.fake_capture import FakeCapture
 
@@ -263,3 +264,10 @@ def test_a_setting_without_a_file_goes_to_the_site_that_knows_it(
     monkeypatch.setattr("farhand.doctor.site.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
     found = [finding for finding in examine(None, (setting,)) if finding.check == "configuration"]
     assert [finding.level for finding in found].count("error") == wrong, found
+
+
+def test_a_driver_whose_package_is_missing_is_a_finding_with_its_cure(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("remote_site.drivers.listing.find_spec", lambda _: None)
+    done = CliRunner().invoke(app, ["doctor", "--config", str(DRIVER_FILES[FRANKA])])
+    assert "error    driver: pylibfranka is not installed" in done.output
+    assert "pip install 'farhand[franka]'" in done.output

@@ -86,6 +86,19 @@ def test_what_the_loopback_needs_follows_the_tracker_and_the_driver_of_a_file(fi
     assert plan.remote.load().driver.emulate
 
 
+def test_a_driver_of_one_arm_brings_its_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("farhand.loopback.plan.check_driver", lambda name: name)  # it may be installed later
+    for options in (LoopbackOptions(driver="franka"), LoopbackOptions(arm="fr3")):
+        remote = plan_of(options).remote.load()
+        assert (remote.driver.name, remote.driver.emulate, remote.robot.model) == ("franka", True, "fr3")
+    kinematic = plan_of(LoopbackOptions(arm="fr3", driver="kinematic")).remote.load()
+    assert (kinematic.driver.name, kinematic.driver.emulate, kinematic.robot.model) == ("kinematic", False, "fr3")
+    with pytest.raises(ConfigError, match="the driver franka is the fr3's; use simulated or kinematic for"):
+        plan_of(LoopbackOptions(arm="humanoid", driver="franka"))
+    with pytest.raises(ConfigError, match=r"driver\.options\.host: .* emulates the robot; leave the host out"):
+        plan_of(LoopbackOptions(driver="franka", settings=("driver.options.host=172.16.0.2",)))
+
+
 @pytest.mark.parametrize(
     ("text", "cure"),
     [
@@ -101,7 +114,7 @@ def test_what_the_loopback_needs_follows_the_tracker_and_the_driver_of_a_file(fi
         ("[driver]\n[robto]\n", "did you mean robot?"),
         ('[operator]\nleft = "0"\nright = "1"\nrig = "r"\n', "use these cameras with: farhand local"),
         ('[driver]\nname = "c500c"\n[driver.options]\nport = "/dev/ttyUSB0"\n', "leave the port out"),
-        ('[driver]\nname = "c500c"\nemulate = false\n', "never drives the real controller"),
+        ('[driver]\nname = "c500c"\nemulate = false\n', "never drives the real robot"),
         ('[simulation.motion]\nbegins = "at_once"\n', "leave simulation.motion.begins out"),
         ("[tracking]\n[simulation]\nmarkers = true\n", "leave simulation.markers out"),
         ("driver = 1\n", "must be a table: [driver]"),

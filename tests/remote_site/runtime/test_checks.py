@@ -46,7 +46,7 @@ def test_the_defaults_are_right():
     [
         (RobotConfig(start_deg=(0, 0, 500, 0, 0, 0)), "joint_3 at 500 deg is outside -109.0 to 109.0"),
         (RobotConfig(start_deg=(0, 0, 0)), "3 angles for 6 joints"),
-        (RobotConfig(model="ur5"), "neither a built-in model \\(a465, humanoid\\) nor the file"),
+        (RobotConfig(model="ur5"), "neither a built-in model \\(a465, fr3, humanoid\\) nor the file"),
         (RobotConfig(position_deg={"joint_1": (-400, 400)}), "limits only tighten"),
         (RobotConfig(tool_frame="hook"), "no frame 'hook'; set robot.tool_frame"),
         (RobotConfig(capsules=(HOOK,)), "robot.capsules: there is no link 'hook'"),
@@ -216,6 +216,8 @@ def test_another_mode_of_engagement_changes_nothing_else():
         (("driver.name=simulated",), False),
         (("driver.name=kinematic",), False),
         (("driver.name=c500c", "driver.emulate=true"), False),
+        (("driver.name=franka", "driver.emulate=true"), False),
+        (("driver.name=franka", "driver.options.host=172.16.0.2"), True),
         (("driver.name=c500c",), True),
         (("driver.name=mine",), True),
         (("driver.name=mine", "engagement.automatic_accepted=yes"), True),

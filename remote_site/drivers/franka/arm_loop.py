@@ -1,0 +1,179 @@
+"""The arm's process: reads the robot each millisecond, and feeds its motion from the setpoints of the driver."""
+
+from collections.abc import Callable
+
+import numpy as np
+import structlog
+
+from common.clock import NS_PER_MS, NS_PER_S, Clock
+from common.errors import DriverError
+from common.geometry import Array
+from common.process.service import StopFlag
+from remote_site.drivers.driver import DriverSetup
+from remote_site.drivers.faults import FaultCode, RobotFault, apart
+from remote_site.drivers.franka.arm_memory import ArmMemory, ArmStatus
+from remote_site.drivers.franka.arm_motion import ArmMotion
+from remote_site.drivers.franka.robot_errors import fault_of, mode_fault
+from remote_site.drivers.franka.robot_port import (
+    ArmState,
+    LinkLostError,
+    MotionAbortedError,
+    MotionPort,
+    RobotPort,
+    RobotRefusedError,
+)
+from remote_site.drivers.franka.robot_time import RobotTime
+
+AGAIN_NS = NS_PER_S
+HELD_APART_RAD = 0.05  # of a joint that the robot holds elsewhere than it is: it is being pushed
+
+
+class ArmLoop:
+    """Connects, reads, moves when it is activated; each turn takes the robot's next millisecond."""
+
+    def __init__(self, connect: Callable[[], RobotPort], memory: ArmMemory, setup: DriverSetup, clock: Clock) -> None:
+        self._connect, self._memory, self._setup, self._clock = connect, memory, setup, clock
+        self._robot: RobotPort | None = None
+        self._port: MotionPort | None = None
+        self._motion: ArmMotion | None = None
+        self._time = RobotTime()
+        self._state: ArmState | None = None
+        self._stamp_ns = self._activation = 0
+        self._q0: Array | None = None  # where an activation waits for the robot to be idle
+        self._brakes = False
+        self._fault: RobotFault | None = None
+        self._aborted = ""  # what libfranka says of a motion that the robot has broken off
+
+    @property
+    def moving(self) -> bool:
+        """A motion is under way, at rest or not."""
+        return self._port is not None
+
+    def brake(self) -> None:
+        """Bring a motion that is under way to its end."""
+        self._brakes, self._q0 = True, None
+
+    def turn(self) -> None:
+        """Take the robot's next state, and answer it."""
+        self._take_orders()
+        try:
+            if self._robot is None:
+                self._robot = self._connect()
+            if self._port is None:
+                self._idle(self._robot)
+            else:
+                self._drive(self._port)
+        except LinkLostError as error:
+            self._lose(error)
+        except MotionAbortedError as error:
+            self._aborted = str(error)  # the next state says why
+            self._end_motion(RobotFault(FaultCode.ROBOT, f"the robot has broken off its motion: {error}", "aborted"))
+        except RobotRefusedError as error:
+            self._end_motion(RobotFault(FaultCode.REFUSED, f"the robot refuses: {error}"))
+            self._report()
+
+    def _take_orders(self) -> None:
+        for order in self._memory.orders.take():
+            if order.activation != self._activation:
+                if self._motion is not None:
+                    self._motion.brake()
+                self._activation, self._q0, self._brakes = order.activation, order.command.q, False
+                self._fault = None
+            elif not order.run:
+                self.brake()
+            elif self._motion is not None and not self._brakes:
+                self._motion.add(order.command)
+
+    def _idle(self, robot: RobotPort) -> None:
+        state = self._note(robot.read())
+        if self._aborted:
+            why = fault_of(state.errors or state.motion_errors, self._aborted) or mode_fault(state.mode)
+            self._fault, self._aborted = why or self._fault, ""
+        if self._q0 is not None:
+            self._begin(robot, state, self._q0)
+        self._report()
+
+    def _begin(self, robot: RobotPort, state: ArmState, q0: Array) -> None:
+        """Recover from what the last motion ended with, and begin another; only an activation leads here."""
+        self._q0 = None
+        if state.errors or state.mode == "Reflex":
+            robot.recover()
+            state = self._note(robot.read())
+        refused = fault_of(state.errors) or mode_fault(state.mode)
+        if refused is None and np.abs(state.held - q0).max() > HELD_APART_RAD:
+            refused = apart(self._setup.joint_names, q0.tolist(), state.held.tolist())
+        if refused is not None:
+            self._fault = refused
+            return
+        self._port = robot.start()
+        self._motion = ArmMotion(state.held, q0, self._setup)
+
+    def _drive(self, port: MotionPort) -> None:
+        before, state = self._state, self._note(port.read())
+        motion = self._motion
+        if motion is None:
+            return
+        if self._brakes:
+            motion.brake()
+        ticks = 1 if before is None else max(round((state.t_ns - before.t_ns) / NS_PER_MS), 1)
+        q = motion.step(ticks, self._stamp_ns)
+        if motion.fault is not None and self._fault is None and self._q0 is None:
+            self._fault = motion.fault
+        port.write(q, finished=motion.finished)
+        if motion.finished:
+            self._end_motion(self._fault)
+        self._report()
+
+    def _note(self, state: ArmState) -> ArmState:
+        self._state, self._stamp_ns = state, self._time.stamp(state.t_ns, self._clock.now_ns())
+        return state
+
+    def _end_motion(self, fault: RobotFault | None) -> None:
+        self._port, self._motion, self._fault = None, None, fault
+
+    def _lose(self, error: LinkLostError) -> None:
+        """Connect anew, after a while; the stamps show since when nothing is measured."""
+        structlog.get_logger().warning("the robot does not answer", said=str(error))
+        self._end_motion(RobotFault(FaultCode.LINK, f"the robot does not answer: {error}; check cable and power"))
+        self._robot, self._time, self._q0, self._aborted = None, RobotTime(), None, ""
+        self._report()
+        self._clock.sleep_until_ns(self._clock.now_ns() + AGAIN_NS)
+
+    def _report(self) -> None:
+        state, motion = self._state, self._motion
+        if state is None:
+            return
+        fault = self._fault
+        if fault is None and motion is None:
+            fault = fault_of(state.errors) or mode_fault(state.mode)
+        active = motion is not None and fault is None and not self._brakes and self._q0 is None
+        obeyed = motion.obeyed if motion is not None else None
+        status = ArmStatus(self._stamp_ns, self._activation, active, obeyed, state.q, state.dq, fault)
+        self._memory.report(status)
+
+
+def run_arm_loop(loop: ArmLoop, should_stop: StopFlag, beat: Callable[[], None]) -> None:
+    """Turn until asked to end, and then until the arm rests; a robot that cannot be reached at all ends it."""
+    while not should_stop() or loop.moving:
+        if should_stop():
+            loop.brake()
+        loop.turn()
+        beat()
+
+
+def connected_once(connect: Callable[[], RobotPort]) -> Callable[[], RobotPort]:
+    """A connection whose first failure ends the process with its sentence; later ones are tried again."""
+    seen = False
+
+    def again() -> RobotPort:
+        nonlocal seen
+        try:
+            robot = connect()
+        except (LinkLostError, RobotRefusedError) as error:
+            if seen:
+                raise LinkLostError(str(error)) from error
+            raise DriverError(f"the robot cannot be reached: {error}; is FCI active in Desk?") from error
+        seen = True
+        return robot
+
+    return again

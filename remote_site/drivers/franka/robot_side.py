@@ -1,0 +1,63 @@
+"""The processes that talk to the robot and its gripper: one each, since the maker's client keeps Python's lock."""
+
+import gc
+from functools import partial
+
+from common.clock import Clock
+from common.errors import ProcessError
+from common.process.children import Children, Heartbeat
+from common.process.service import StopFlag, ask_for_real_time
+from remote_site.drivers.driver import DriverSetup
+from remote_site.drivers.franka.arm_loop import ArmLoop, connected_once, run_arm_loop
+from remote_site.drivers.franka.arm_memory import ArmMemory, HandMemory
+from remote_site.drivers.franka.client import FrankaHand, FrankaRobot
+from remote_site.drivers.franka.config import FrankaConfig
+from remote_site.drivers.franka.hand_loop import HandLoop, run_hand_loop
+
+FIFO_PRIORITY = 48  # below control, above the driver's process: each millisecond of the robot is answered in time
+
+
+class RobotProcesses:
+    """A `RobotSide` of two processes, or of one without a gripper."""
+
+    def __init__(self, config: FrankaConfig, clock: Clock) -> None:
+        self._config, self._clock = config, clock
+        self._children = Children("franka")
+        self._ended = False
+        self.arm = ArmMemory()
+        self.hand = HandMemory() if config.gripper else None
+
+    def start(self, setup: DriverSetup) -> None:
+        """Start them; they connect by themselves."""
+        self._children.start("arm", partial(self._run_arm, setup))
+        if self.hand is not None:
+            self._children.start("gripper", partial(self._run_hand, self.hand, setup), vital=False)
+
+    def failure(self) -> str:
+        """Why the arm's process has ended, "" while it runs."""
+        try:
+            if not self._ended:
+                self._children.check_alive()
+        except ProcessError as error:
+            return str(error)
+        return ""
+
+    def end(self) -> None:
+        """Have the arm come to rest, and end both."""
+        self._ended = True
+        self._children.end()
+
+    def _run_arm(self, setup: DriverSetup, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+        config = self._config
+        connect = connected_once(partial(FrankaRobot, config.host, realtime=config.realtime))
+        loop = ArmLoop(connect, self.arm, setup, self._clock)
+        ask_for_real_time(FIFO_PRIORITY)
+        gc.collect()
+        gc.freeze()  # collecting all that was imported would take several of the robot's milliseconds
+        run_arm_loop(loop, should_stop, heartbeat.beat)
+
+    def _run_hand(self, memory: HandMemory, setup: DriverSetup, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+        config = self._config
+        connect = partial(FrankaHand, config.host)
+        loop = HandLoop(connect, memory, self._clock, config.gripper_speed_m_s, setup.grip_force_n)
+        run_hand_loop(loop, self._clock, should_stop, heartbeat.beat)

@@ -1,0 +1,31 @@
+"""When the robot measured, by the host's clock; pure.
+
+The robot counts its own time in ms. A state cannot arrive before it was measured, so the least difference between
+arrival and the robot's time, over the last tenth of a second, is where its zero lies by the host's clock: late by the
+quickest transit, a fraction of a ms on a cable. The span is short because two clocks differ in rate, and a simulator's
+may stand still now and then.
+"""
+
+from common.clock import NS_PER_MS
+
+SPAN_NS = 50 * NS_PER_MS
+
+
+class RobotTime:
+    """Follows the offset between both clocks: the least of this span of time and of the one before it."""
+
+    def __init__(self) -> None:
+        self._before_ns: int | None = None
+        self._least_ns: int | None = None
+        self._since_ns = 0
+        self._stamp_ns = 0
+
+    def stamp(self, robot_ns: int, arrival_ns: int) -> int:
+        """When a state was measured, ns by the host's clock; never after it has arrived, never before the last one."""
+        offset_ns = arrival_ns - robot_ns
+        if self._least_ns is None or arrival_ns - self._since_ns > SPAN_NS:
+            self._before_ns, self._least_ns, self._since_ns = self._least_ns, offset_ns, arrival_ns
+        self._least_ns = min(self._least_ns, offset_ns)
+        least_ns = self._least_ns if self._before_ns is None else min(self._least_ns, self._before_ns)
+        self._stamp_ns = max(self._stamp_ns, robot_ns + least_ns)
+        return self._stamp_ns
