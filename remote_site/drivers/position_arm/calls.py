@@ -33,8 +33,8 @@ class Calls(Protocol):
     """What a driver has its arm do.
 
     `obeyed` is the number of the last command that was written since `begin`, None before. `begin` comes before the
-    first command of an activation. `measure` returns what has newly been measured, or None. `stop` is repeated by
-    `measure` until it has succeeded.
+    first command of an activation. `measure`, called in every turn, returns what has newly been measured, or None; it
+    repeats a stop that has failed until one succeeds. `end` comes last: it stops the arm if told to, and lets go of it.
     """
 
     @property
@@ -48,7 +48,7 @@ class Calls(Protocol):
 
     def stop(self) -> None: ...
 
-    def close(self) -> None: ...
+    def end(self, *, stops: bool) -> None: ...
 
 
 class ArmCalls:
@@ -72,17 +72,22 @@ class ArmCalls:
         return self._due_ns
 
     def begin(self, most_n: float) -> None:
-        """Nothing has been commanded; the gripper, too, keeps what it does. `most_n` is its largest force."""
+        """Nothing has been commanded; the gripper, too, keeps what it does. `most_n` is its largest force.
+
+        DriverError while a stop has not succeeded.
+        """
+        if self._owes_stop:
+            raise DriverError("the arm has not been stopped yet")
         self.obeyed, self._gripper, self._most_n = None, GripperCommand.KEEP, most_n
 
     def measure(self) -> Measurement | None:
         """Read the arm once a period."""
-        if self._owes_stop:
-            self.stop()
         now_ns = self._clock.now_ns()
         if now_ns < self._due_ns:
             return None
         self._due_ns = now_ns + self._period_ns - (now_ns - self._due_ns) % self._period_ns
+        if self._owes_stop:
+            self.stop()
         return self._measured(now_ns)
 
     def write(self, command: JointCommand) -> None:
@@ -98,9 +103,13 @@ class ArmCalls:
         self._call("stop", self._arm.stop)
         self._owes_stop = False
 
-    def close(self) -> None:
-        """Let go of the arm."""
-        self._call("close", self._arm.close)
+    def end(self, *, stops: bool) -> None:
+        """Stop the arm if told to, and let go of it, also where the stop fails."""
+        try:
+            if stops:
+                self.stop()
+        finally:
+            self._call("close", self._arm.close)
 
     def _measured(self, now_ns: int) -> Measurement | None:
         given = self._call("read", self._arm.read)

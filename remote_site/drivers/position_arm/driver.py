@@ -105,11 +105,7 @@ class PositionArmDriver:
         if self._ended:
             return
         self._ended, self._fault = True, self._fault or STOPPED
-        try:
-            if self._setup is not None:
-                self._calls.stop()
-        finally:
-            self._calls.close()
+        self._calls.end(stops=self._setup is not None)
 
     def _configured(self) -> DriverSetup:
         if self._setup is None:

@@ -10,7 +10,7 @@ from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.position_arm.calls import ArmCalls, Measurement
 
 STOP_WAIT_S = 0.03  # a call of the driver has 50 ms
-CLOSE_WAIT_S = 0.5
+END_WAIT_S = 0.5
 STUCK_NS = 100 * NS_PER_MS
 RETRY_NS = 10 * NS_PER_MS
 
@@ -20,7 +20,7 @@ class ThreadedCalls:
 
     A stop waits for the call under way, since few libraries may be called twice at once. The thread begins with the
     first of the calls here, with the priority of the thread that makes it. What it raises is raised by the next
-    `measure`.
+    `measure`, and what a command raises by the next `write` too.
     """
 
     def __init__(self, calls: ArmCalls, clock: Clock) -> None:
@@ -30,7 +30,8 @@ class ThreadedCalls:
         self._command: JointCommand | None = None
         self._measurement: Measurement | None = None
         self._error: BaseException | None = None
-        self._stops = self._closes = False
+        self._unwritten: BaseException | None = None
+        self._stops = self._ends = False
 
     @property
     def obeyed(self) -> int | None:
@@ -42,6 +43,7 @@ class ThreadedCalls:
         with self._changed:
             if self._stops:
                 raise DriverError(f"the arm has not been stopped yet; {self._waits_for()}")
+            self._unwritten = None
             self._calls.begin(most_n)
 
     def measure(self) -> Measurement | None:
@@ -53,9 +55,12 @@ class ThreadedCalls:
             return measurement
 
     def write(self, command: JointCommand) -> None:
-        """Leave a command for the thread, in the place of one that it has not taken."""
+        """Leave a command for the thread, in the place of one that it has not taken; raises what the last one has."""
         self._start()
         with self._changed:
+            error, self._unwritten = self._unwritten, None
+            if error is not None:
+                raise error
             self._command = command
             self._changed.notify_all()
 
@@ -71,15 +76,15 @@ class ThreadedCalls:
             if self._stops and self._stuck():
                 raise DriverError(self._waits_for())
 
-    def close(self) -> None:
-        """Let the thread let go of the arm, and end; DriverError if it does not come to that."""
+    def end(self, *, stops: bool) -> None:
+        """Let the thread stop the arm, let go of it, and end; DriverError if it does not come to that."""
         if self._thread is None:
-            self._calls.close()
+            self._calls.end(stops=stops)
             return
         with self._changed:
-            self._closes = True
+            self._command, self._stops, self._ends = None, self._stops or stops, True
             self._changed.notify_all()
-        self._thread.join(CLOSE_WAIT_S)
+        self._thread.join(END_WAIT_S)
         if self._thread.is_alive():
             raise DriverError(self._waits_for())
         self._raise_error()
@@ -105,15 +110,14 @@ class ThreadedCalls:
             raise error
 
     def _run(self) -> None:
-        while not self._closes:
+        while not self._ends:
             with self._changed:
                 self._changed.wait_for(self._asked, self._idle_s())
                 command, self._command = self._command, None
             if not self._succeeds(partial(self._turn, command)):
                 self._clock.sleep_until_ns(self._clock.now_ns() + RETRY_NS)
-        if self._stops:
-            self._succeeds(self._calls.stop)
-        self._succeeds(self._calls.close)
+        self._error = None  # what was met before the end is no failure of it
+        self._succeeds(partial(self._calls.end, stops=self._stops))
 
     def _succeeds(self, call: Callable[[], None]) -> bool:
         """Whether a call raises nothing; otherwise what it raises is kept."""
@@ -133,14 +137,21 @@ class ThreadedCalls:
                 self._stops = False
                 self._changed.notify_all()
         elif command is not None:
-            self._calls.write(command)
+            self._write(command)
         measurement = self._calls.measure()
         if measurement is not None:
             with self._changed:
                 self._measurement = measurement
 
+    def _write(self, command: JointCommand) -> None:
+        try:
+            self._calls.write(command)
+        except BaseException as error:
+            self._unwritten = error
+            raise
+
     def _asked(self) -> bool:
-        return self._stops or self._closes or self._command is not None
+        return self._stops or self._ends or self._command is not None
 
     def _idle_s(self) -> float:
         return max(self._calls.due_ns - self._clock.now_ns(), 0) / NS_PER_S

@@ -2,11 +2,12 @@
 
 import threading
 import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
 
-from common.clock import NS_PER_MS, MonotonicClock
+from common.clock import MonotonicClock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
@@ -30,10 +31,12 @@ class WaitingArm(PositionArm):
         self.gates = {name: threading.Event() for name in ("read", "write", "stop", "close")}
         for gate in self.gates.values():
             gate.set()
-        self.raises = {}
+        self.raises, self.read_ns = {}, []
 
     def read(self):
+        begun_ns = time.monotonic_ns()
         self._wait("read")
+        self.read_ns.append((begun_ns, time.monotonic_ns()))
         return np.zeros(6)
 
     def write(self, positions):
@@ -103,7 +106,7 @@ def test_one_thread_of_its_own_makes_all_calls(arm, driver):
         time.sleep(0.003)
     until(lambda: driver.read().obeyed_seq == 29)
     driver.stop()
-    assert arm.calls[-1] in (("stop",), ("read",))
+    until(lambda: ("stop",) in arm.calls)
     assert arm.most_at_once == 1
     assert threading.get_ident() not in arm.threads
     assert len(arm.threads) == 1
@@ -117,7 +120,7 @@ def test_no_call_waits_for_the_robot_and_the_newest_command_goes_first(arm, driv
     for seq in (1, 2, 3):
         driver.write(command(seq, seq / 1000))
         driver.read()
-    assert time.monotonic() - begun < 0.05
+    assert time.monotonic() - begun < PATIENCE_S  # the gate is closed
     assert driver.read().obeyed_seq is None
     arm.gates["read"].set()
     until(lambda: driver.read().obeyed_seq == 3)
@@ -133,11 +136,11 @@ def test_a_reading_that_does_not_come_back_keeps_its_stamp(arm, driver):
     assert driver.read().t_ns == t_ns
 
 
-def test_a_stop_replaces_the_command_that_waits_and_is_done_when_it_returns(arm, driver):
+def test_a_stop_replaces_the_command_that_waits(arm, driver):
     driver.activate(np.zeros(6))
     driver.write(command(1, 0.1))
     driver.stop()
-    assert ("stop",) in arm.calls
+    until(lambda: ("stop",) in arm.calls)
     after = arm.calls[arm.calls.index(("stop",)) :]
     time.sleep(0.05)
     assert ("write", 0.1) not in after
@@ -152,9 +155,9 @@ def test_a_stop_behind_a_call_that_does_not_return_says_so_and_comes_when_it_doe
     until(lambda: ("write", 0.1) in arm.calls)
     begun = time.monotonic()
     driver.stop()
-    assert time.monotonic() - begun < 0.05
+    assert time.monotonic() - begun < PATIENCE_S
     time.sleep(0.1)
-    with pytest.raises(DriverError, match=r"WaitingArm\.write has not returned for 1\d\d ms"):
+    with pytest.raises(DriverError, match=r"WaitingArm\.write has not returned for \d+ ms"):
         driver.stop()
     with pytest.raises(DriverError, match="not been stopped yet"):
         driver.activate(np.zeros(6))
@@ -191,6 +194,26 @@ def test_a_stop_that_fails_is_raised_and_repeated(arm, driver):
     assert arm.calls.count(("stop",)) <= count + 1
 
 
+def test_an_arm_that_cannot_be_written_its_stop_is_stopped_and_written_no_more(arm, driver):
+    arm.writes_stop = True
+    driver.activate(np.zeros(6))
+    driver.write(JointCommand(1, 0, np.zeros(6), np.full(6, 0.8), np.zeros(6), GripperCommand.KEEP))
+    until(lambda: driver.read().obeyed_seq == 1)
+    arm.raises["write"], before = OSError("no answer"), len(arm.calls)
+    driver.stop()
+
+    def is_stopped():
+        with suppress(ArmCallError):
+            driver.read()
+        return ("stop",) in arm.calls
+
+    until(is_stopped)
+    after = len(arm.calls)
+    until(lambda: len(arm.calls) > after + 5 and reads(driver))
+    assert len([call for call in arm.calls[before:] if call[0] == "write"]) <= 2  # of the ten of the stop
+    assert set(arm.calls[after:]) == {("read",)}
+
+
 def test_the_end_waits_for_the_stop_and_the_close(arm, driver):
     arm.gates["read"].clear()
     until(lambda: arm.at_once)
@@ -207,10 +230,6 @@ def test_an_end_that_a_call_keeps_waiting_is_an_error(arm, driver):
 
 
 def test_readings_are_stamped_before_the_robot_is_asked(arm, driver):
-    now_ns = time.monotonic_ns()
-    arm.gates["read"].clear()
-    until(lambda: arm.at_once)
-    time.sleep(0.05)
-    arm.gates["read"].set()
-    until(lambda: driver.read().t_ns > now_ns)
-    assert time.monotonic_ns() - driver.read().t_ns > 40 * NS_PER_MS
+    stamps = set()
+    until(lambda: stamps.add(driver.read().t_ns) or len(stamps) > 20)
+    assert not [t_ns for t_ns in stamps for begun_ns, ended_ns in arm.read_ns if begun_ns < t_ns < ended_ns]
