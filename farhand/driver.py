@@ -1,5 +1,6 @@
 """All that an author of a driver needs of Farhand; docs/writing-a-driver.md shows how, and promises nothing beyond.
 
+A `PositionArm` has three methods, and `PositionArmDriver` makes it a `Driver`; whoever needs more writes a `Driver`.
 A `DriverFactory` makes a `Driver` from a `DriverHost`. `check_options` checks the driver's own options, `stopping` is
 the stop within the limits, and `run_checks` tries a driver on a `DriverStand` in its author's tests.
 """
@@ -12,6 +13,8 @@ from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
+from remote_site.drivers.position_arm.arm import MeasuredPositions, PositionArm, PositionArmWithGripper, Positions
+from remote_site.drivers.position_arm.driver import PositionArmDriver
 from remote_site.drivers.registry import DriverFactory, DriverHost, Option, check_options
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits, JointRange
@@ -36,8 +39,13 @@ __all__ = [
     "JointLimits",
     "JointMotion",
     "JointRange",
+    "MeasuredPositions",
     "MonotonicClock",
     "Option",
+    "PositionArm",
+    "PositionArmDriver",
+    "PositionArmWithGripper",
+    "Positions",
     "RobotFault",
     "RobotReading",
     "check_options",

@@ -9,7 +9,7 @@ from farhand.commands.options import ConfigFile, Emulate, Settings, driver_file,
 from farhand.exit_codes import FAILED, UNDECIDED
 from farhand.terminal import say
 
-driver_app = typer.Typer(help="List and check robot drivers.", no_args_is_help=True)
+driver_app = typer.Typer(help="List, begin and check robot drivers.", no_args_is_help=True)
 
 
 def doctor(
@@ -62,6 +62,23 @@ def list_drivers() -> None:
 
     for driver in installed_drivers():
         say(str(driver))
+
+
+@driver_app.command("new")
+def new_driver(
+    name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.")],
+    out: Annotated[Path, typer.Option("--out", help="Folder in which the package's folder NAME is made.")] = Path(),
+) -> None:
+    """Write the package of a new driver: three methods to fill in, an arm simulated until then, and its tests.
+
+    Example: farhand driver new my_arm
+    """
+    from farhand.new_driver.package import next_steps, write_package
+
+    for path in write_package(name, out):
+        say(f"wrote {path}")
+    for line in next_steps(name, out):
+        say(line)
 
 
 @driver_app.command("test")

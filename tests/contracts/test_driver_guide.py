@@ -1,4 +1,4 @@
-"""The guide's driver is complete and short, passes its own test, and needs nothing of Farhand but `farhand.driver`."""
+"""The guide's drivers are complete and short, pass every check, and need nothing of Farhand but `farhand.driver`."""
 
 import ast
 import re
@@ -17,13 +17,15 @@ from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.registry import DriverHost
 from tests.contracts.driver_stands import CONFIG, SETUP
+from tests.contracts.position_arms import BrakingArm
 
 GUIDE = Path(__file__).parents[2] / "docs" / "writing-a-driver.md"
+CLOCK = FakeClock(1000 * NS_PER_MS)
 FARHAND = {"common", "local_site", "remote_site", "farhand", "bench"}
 
 
 def sources() -> list[str]:
-    """The guide's driver and its test."""
+    """The guide's driver of three methods, its full one, and the test."""
     return re.findall(r"```python\n(.*?)```", GUIDE.read_text(encoding="utf-8"), re.DOTALL)
 
 
@@ -33,8 +35,31 @@ def run(source: str) -> dict[str, Any]:
     return namespace
 
 
+class Arm(BrakingArm):
+    """Stands for the manufacturer's library of the guide."""
+
+    def __init__(self, address: str) -> None:
+        super().__init__(CLOCK)
+        self.configure(SETUP)
+        assert address
+
+    measured_positions, move_to, halt = BrakingArm.read, BrakingArm.write, BrakingArm.stop
+
+
+def test_the_three_methods_of_the_guide_pass_every_check(monkeypatch: pytest.MonkeyPatch) -> None:
+    library = ModuleType("arm_library")
+    vars(library)["Arm"] = Arm
+    monkeypatch.setitem(sys.modules, "arm_library", library)
+    driver, *_ = sources()
+    assert len(driver.splitlines()) < 40
+    made = run(driver)["my_arm"]
+    stand = DriverStand(CLOCK, SETUP, lambda: made(DriverHost(CLOCK)), CONFIG.robot.start)
+    lines: list[str] = []
+    assert run_checks(stand, lines.append) == [], lines
+
+
 def test_the_driver_of_the_guide_passes_every_check() -> None:
-    driver, _ = sources()
+    _, driver, _ = sources()
     assert len(driver.splitlines()) < 100
     host = DriverHost(FakeClock(1000 * NS_PER_MS))
     made = run(driver)["LibraryDriver"]
@@ -44,7 +69,7 @@ def test_the_driver_of_the_guide_passes_every_check() -> None:
 
 
 def test_the_test_of_the_guide_passes(monkeypatch: pytest.MonkeyPatch) -> None:
-    driver, test = sources()
+    _, driver, test = sources()
     module = ModuleType("my_package.library_driver")
     vars(module).update(run(driver))
     monkeypatch.setitem(sys.modules, "my_package", ModuleType("my_package"))
@@ -53,7 +78,7 @@ def test_the_test_of_the_guide_passes(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_guide_checks_the_drivers_options() -> None:
-    made = run(sources()[0])["LibraryDriver"]
+    made = run(sources()[1])["LibraryDriver"]
     with pytest.raises(ConfigError, match=r"driver\.options\.lag: is not a key here; did you mean lag_s\?"):
         made(DriverHost(FakeClock(0), {"lag": 0.1}))
 

@@ -1,4 +1,4 @@
-"""The wheel in a fresh environment outside the checkout: it runs, and brings its configurations, units and types."""
+"""The wheel in a fresh environment outside the checkout: it runs, and brings all files that are no modules."""
 
 import os
 import shutil
@@ -67,6 +67,13 @@ def test_it_brings_its_configurations_and_units(installed: Path, tmp_path: Path)
     run(installed / "farhand", "config", "init", ".", folder=tmp_path)
     written = {path.name for path in tmp_path.rglob("*") if path.is_file()}
     assert written == {path.name for room in ("sites", "systemd") for path in (shipped / room).iterdir()}
+
+
+def test_it_brings_the_template_of_drivers(installed: Path, tmp_path: Path) -> None:
+    run(installed / "farhand", "driver", "new", "my_arm", folder=tmp_path)
+    template = PROJECT / "farhand/new_driver/template"
+    sources = [path for path in template.rglob("*") if path.is_file() and path.suffix != ".pyc"]
+    assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == len(sources)
 
 
 def test_the_loop_closes_from_an_empty_folder(installed: Path, tmp_path: Path) -> None:

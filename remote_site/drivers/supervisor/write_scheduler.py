@@ -47,6 +47,19 @@ class WriteScheduler(Generic[T]):
             self._written_ns, self._extra_ns = now_ns, 0
         return newest
 
+    def take_part(self, now_ns: int) -> tuple[T | None, T | None, float]:
+        """As `take`, then the next motion and the fraction of the way to it that may be written now too, and is.
+
+        Without that, whoever writes rarely would lose what is left of the time until then, and fall behind.
+        """
+        furthest_ns, newest = self._furthest_ns(now_ns), self.take(now_ns)
+        if not self._waiting or furthest_ns <= self._planned_ns:
+            return newest, None, 0.0
+        following_ns, following = self._waiting[0]
+        fraction = (furthest_ns - self._planned_ns) / (following_ns - self._planned_ns)
+        self._planned_ns, self._written_ns, self._extra_ns = furthest_ns, now_ns, 0
+        return newest, following, fraction
+
     def reach(self, planned_ns: int, now_ns: int) -> int:
         """Go towards a plan time as far as is allowed now, discarding what waits; the plan time that is written."""
         self._waiting.clear()

@@ -45,9 +45,10 @@ class ObeyedCommands:
 class PacedWriter:
     """Writes to the robot no faster than planned, and to a slow robot no more often than it takes commands.
 
-    The plan advances by a tick with each command. A slow robot gets the newest motion once a period, again if it is
-    the same; a fast one gets each motion once, as soon as the scheduler allows. To be read: `command` (the newest of
-    control's), `written` (the motion that was written last, and when).
+    The plan advances by a tick with each command. A slow robot gets the newest motion once a period, or one between two
+    where the newest would come too early, again if it is the same; a fast one gets each motion once, as soon as the
+    scheduler allows. To be read: `command` (the newest of control's), `written` (the motion that was written last, and
+    when).
     """
 
     def __init__(self, driver: WatchedDriver, capabilities: Capabilities, setup: DriverSetup) -> None:
@@ -128,9 +129,24 @@ class PacedWriter:
 
     def _next(self, stop: StopPlan | None, now_ns: int) -> JointCommand | None:
         if stop is None or self._scheduler.waits(now_ns):
-            return self._scheduler.take(now_ns)
+            return self._along(now_ns) if self.period_ns else self._scheduler.take(now_ns)
         reached_ns = self._scheduler.reach(stop.plan_ns_at(now_ns), now_ns)
         return _with(self.command, stop.at_plan(reached_ns))
+
+    def _along(self, now_ns: int) -> JointCommand | None:
+        """The motion furthest along the plan that may be written now; in a straight line between two commands."""
+        newest, following, fraction = self._scheduler.take_part(now_ns)
+        if following is None:
+            return newest
+        last = newest or self.written
+        return _with(last, _blend(last.motion, following.motion, fraction))
+
+
+def _blend(begin: JointMotion, end: JointMotion, fraction: float) -> JointMotion:
+    q, dq, ddq = (
+        (1 - fraction) * a + fraction * b for a, b in ((begin.q, end.q), (begin.dq, end.dq), (begin.ddq, end.ddq))
+    )
+    return JointMotion(q, dq, ddq)
 
 
 def _with(command: JointCommand, motion: JointMotion) -> JointCommand:

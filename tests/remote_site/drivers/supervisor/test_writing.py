@@ -7,7 +7,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.supervisor.state import SupervisorState
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION, WriteScheduler
 from remote_site.kinematics.joints import JointMotion
-from tests.remote_site.drivers.supervisor.supervised import LIMITS, START, Supervised, assert_smooth
+from tests.remote_site.drivers.supervisor.supervised import DT, LIMITS, START, Supervised, assert_smooth
 
 
 def test_commands_reach_the_robot_as_they_are(rig: Supervised) -> None:
@@ -54,6 +54,21 @@ def test_a_slow_robot_gets_setpoints_along_the_path_at_its_rate_and_none_beyond_
     assert (np.diff(places) >= 0).all()
     assert places[-1] == pytest.approx(START[0] + 0.8, abs=1e-6)
     assert places.max() <= START[0] + 0.8 + 1e-6
+
+
+@pytest.mark.parametrize("rate_hz", [30.0, 40.0, 50.0, 60.0, 80.0, 100.0, 125.0, 200.0])
+def test_a_robot_whose_period_is_no_whole_number_of_ticks_does_not_fall_behind(rate_hz: float) -> None:
+    rig, behind = Supervised(rate_hz).activate(), []
+    for _ in range(200):
+        rig.turn()  # its process turns more often than control orders
+        rig.sent = rig.plan()
+        rig.turn(rig.order(rig.sent))
+        behind.append(rig.motion.q[0] - rig.supervisor.written.q[0])
+    assert rig.supervisor.written.q[0] == pytest.approx(START[0] + 0.8, abs=1e-6)
+    assert max(behind) <= LIMITS.velocity[0] * (1 / rate_hz + DT)
+    t_ns, q = (np.array([getattr(c, key) for c in rig.robot.written]) for key in ("t_ns", "q"))
+    steps_s = np.diff(t_ns)[:, None] / NS_PER_S
+    assert (np.abs(np.diff(q, axis=0)) <= LIMITS.velocity * steps_s / LEAST_FRACTION * 1.001).all()
 
 
 def test_before_the_first_command_the_robot_obeys_none_of_controls() -> None:

@@ -1,0 +1,1 @@
+"""`farhand driver new`: the package of a new driver, which works from the start on a simulated arm."""

@@ -1,0 +1,1 @@
+"""A driver of Farhand for the arm new_arm."""

@@ -1,0 +1,1 @@
+"""Three methods of an arm that takes positions, made a whole driver."""

@@ -1,0 +1,56 @@
+"""What an arm's positions say when they come: stamped, with speeds, each only once, and nothing while they fail."""
+
+import math
+
+import numpy as np
+
+from common.clock import NS_PER_MS
+from common.errors import DriverError
+from remote_site.drivers.driver import GripperReading, RobotReading
+from remote_site.drivers.position_arm.calls import Calls, Measurement
+from remote_site.drivers.position_arm.speed import SpeedOverWindow
+
+
+class ArmReadings:
+    """The readings of `joints` joints, with speeds over `window_ns`."""
+
+    def __init__(self, calls: Calls, joints: int, window_ns: int) -> None:
+        self._calls, self._joints, self._window_ns = calls, joints, window_ns
+        self._speed = SpeedOverWindow(window_ns)
+        self._newest: RobotReading | None = None
+        self._newest_ns = 0
+        self._failure: BaseException | None = None
+
+    def newest(self) -> RobotReading:
+        """The newest reading, without fault; raises what the arm has raised until it is read again.
+
+        DriverError until there is one with speeds. Positions that are not finite are a reading: they are a fault.
+        """
+        try:
+            measurement = self._calls.measure()
+            if measurement is not None:
+                self._take(measurement)
+                self._failure = None
+        except BaseException as error:
+            self._failure = error
+            raise
+        if self._failure is not None:
+            raise self._failure.with_traceback(None)  # or it would grow with each turn
+        if self._newest is None:
+            raise DriverError(f"the arm has not been measured for {self._window_ns / NS_PER_MS:g} ms yet")
+        return self._newest
+
+    def _take(self, measured: Measurement) -> None:
+        """One with the stamp of the last is not new."""
+        before_ns = self._newest_ns - measured.t_ns
+        if before_ns > 0:
+            raise DriverError(f"the arm's positions were measured {before_ns / NS_PER_MS:g} ms before the last ones")
+        if before_ns == 0:
+            return
+        self._newest_ns = measured.t_ns
+        finite = bool(np.isfinite(measured.q).all())
+        speeds = self._speed.add(measured.t_ns, measured.q) if finite else np.full(self._joints, math.nan)
+        if speeds is None:
+            return
+        gripper = None if measured.opening_m is None else GripperReading(measured.opening_m, None)
+        self._newest = RobotReading(measured.t_ns, measured.q, speeds, gripper, None, None)

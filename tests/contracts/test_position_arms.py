@@ -1,0 +1,75 @@
+"""Three methods make a driver that passes every check; an arm that is bad in one thing is found out, by its name."""
+
+import pytest
+
+from common.clock import MonotonicClock
+from remote_site.drivers.conformance.checks import CHECKS
+from remote_site.drivers.conformance.machine_pauses import machine_pauses
+from remote_site.drivers.conformance.suite import run_checks, verdicts_of
+from remote_site.drivers.conformance.trial import DriverStand
+from remote_site.drivers.conformance.verdicts import Verdict
+from remote_site.drivers.position_arm.driver import PositionArmDriver
+from tests.contracts import position_arms as arms
+from tests.contracts.driver_stands import CONFIG, SETUP
+from tests.contracts.position_arms import position_stand
+
+
+@pytest.mark.parametrize("arm", [arms.ServoArm, arms.BrakingArm, arms.GripperArm, arms.Stamped, arms.Sparing])
+def test_three_methods_pass_every_check(arm):
+    lines = []
+    assert run_checks(position_stand(arm), lines.append) == [], lines
+
+
+@pytest.mark.parametrize("rate_hz", [10.0, 25.0, 50.0, 200.0, 500.0, 1000.0])
+def test_they_do_at_any_rate(rate_hz):
+    paced, lines = type("Paced", (arms.ServoArm,), {"rate_hz": rate_hz}), []
+    assert run_checks(position_stand(paced), lines.append) == [], lines
+
+
+@pytest.mark.parametrize(
+    ("bad", "check", "sentence"),
+    [
+        (arms.Frozen, "follows", "not_following: joint_6 is 0.18 rad from all that was commanded"),
+        (arms.Silent, "life_cycle", "silent: the robot was last measured"),
+        (arms.NotANumber, "life_cycle", "not_finite: by its reading joint_3 is not finite"),
+        (arms.OneShort, "life_cycle", "OneShort.read returned positions of the shape (5,), 6 positions in rad are"),
+        (arms.InDegrees, "life_cycle", "implausible: by its reading joint_3 is -45"),
+        (arms.Speechless, "life_cycle", "Speechless.read raised ConnectionError: no answer from 10.0.0.7"),
+        (arms.Waiting, "follows", "joint_1 was commanded to"),
+        (arms.Unwritable, "follows", "Unwritable.write raised OSError: [Errno 5] lost 6 values"),
+        (arms.Late, "lag", "declare in lag_ms by how much later it follows"),
+        (arms.Gliding, "stop", "joint_1 still moves at"),
+        (arms.StopsHard, "stop", "brakes too hard"),
+        (arms.StopsNothing, "stop", "brakes too hard"),
+        (arms.CannotStop, "stop", "CannotStop.stop raised NotImplementedError"),
+        (arms.Jumpy, "life_cycle", "the arm still moves; activate it when it rests"),
+    ],
+)
+def test_a_bad_arm_fails_and_the_line_says_why(bad, check, sentence):
+    lines = []
+    assert check in run_checks(position_stand(bad), lines.append)
+    (line,) = [line for line in lines if line.startswith(f"FAILED  {check.replace('_', ' ')} ")]
+    assert sentence in line
+
+
+@pytest.mark.parametrize(
+    ("bad", "check"),
+    [(arms.Late, "lag"), (arms.Gliding, "stop"), (arms.StopsHard, "stop"), (arms.StopsNothing, "stop")],
+)
+def test_an_arm_that_is_bad_in_one_thing_fails_in_nothing_else(bad, check):
+    lines = []
+    assert run_checks(position_stand(bad), lines.append) == [check], lines
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("check", ["life_cycle", "follows", "lag", "stop", "command_timeout"])
+def test_an_arm_that_waits_passes_with_a_thread(check):
+    class Threaded(arms.Waiting):
+        rate_hz, lag_ms, threaded = 40.0, 100.0, True
+
+    clock, lines = MonotonicClock(), []
+    arm = Threaded(clock)
+    make = lambda: PositionArmDriver(arm, clock)  # noqa: E731  # one robot for all attempts
+    stand = DriverStand(clock, SETUP, make, CONFIG.robot.start, machine_pauses)
+    verdicts = verdicts_of(stand, lines.append, [each for each in CHECKS if each.__name__ == check])
+    assert verdicts[check] in (Verdict.PASSED, Verdict.REPEAT), lines  # a busy machine judges nothing
