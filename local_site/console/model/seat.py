@@ -31,7 +31,7 @@ class SeatAnswer:
 class Seat:
     """Gives the seat to the first page, and to another only when it is given up, closed or silent for 5 s.
 
-    Once an operator has given it up, no page has it before somebody takes it: who opens one only to watch is no operator.
+    Once an operator has given it up, nobody has it before a page takes it: not everybody who opens one operates.
 
     Holding counts while the operating page beats at least every 200 ms, and for 400 ms at most after the time of the
     console that it had heard by then: the way of a beat is part of that, so a key that was released is not held longer,
