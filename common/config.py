@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import msgspec
 
 from common.errors import ConfigError
+from common.replaced_keys import REPLACED_KEYS
 
 S = TypeVar("S", bound=msgspec.Struct)
 KeyPath = tuple[str, ...]
@@ -74,7 +75,8 @@ def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: li
     """The struct from a table of builtins, or None after adding every mistake to `mistakes`."""
     fields = {field.encode_name: field for field in msgspec.structs.fields(struct)}
     before = len(mistakes)
-    mistakes += [ConfigMistake((*path, key), _unknown(key, list(fields))) for key in table if key not in fields]
+    unknown = ((*path, key) for key in table if key not in fields)
+    mistakes += [ConfigMistake(own, _unknown(own, list(fields))) for own in unknown]
     values: dict[str, Any] = {}
     for key, field in fields.items():
         if key in table:
@@ -150,8 +152,10 @@ def _row_of(expected: Any) -> type[msgspec.Struct] | None:
     return _table_of(get_args(expected)[0])
 
 
-def _unknown(key: str, known: list[str]) -> str:
-    near = difflib.get_close_matches(key, known, n=1)
+def _unknown(path: KeyPath, known: list[str]) -> str:
+    if (replacement := REPLACED_KEYS.get(".".join(path))) is not None:
+        return replacement.sentence
+    near = difflib.get_close_matches(path[-1], known, n=1)
     if near:
         return f"is not a key here; did you mean {near[0]}?"
     return f"is not a key here; the keys are {', '.join(sorted(known))}"

@@ -1,7 +1,10 @@
 """The configuration as a recording keeps it: all that the pipeline depends on, and nothing that is secret; and back."""
 
+from typing import Any
+
 import msgspec
 
+from common.config import ConfigMistake, build
 from common.errors import RecordingError
 from common.process.config import MetricsConfig
 from common.recording.config import RecordConfig
@@ -29,10 +32,17 @@ def encode_config(config: RemoteConfig) -> bytes:
 
 def decode_config(data: bytes) -> RemoteConfig:
     """The configuration that `encode_config` wrote; RecordingError for one of another release."""
+    mistakes: list[ConfigMistake] = []
     try:
-        return msgspec.json.decode(data, type=RemoteConfig)
+        config = build(RemoteConfig, msgspec.json.decode(data, type=dict[str, Any]), (), mistakes)
     except msgspec.DecodeError as error:
-        raise RecordingError(f"the recorded configuration is of another release: {error}") from error
+        raise RecordingError(f"the recorded configuration cannot be read: {error}") from error
+    if config is None:
+        wrong = "; ".join(f"{'.'.join(mistake.path) or 'the whole'}: {mistake.text}" for mistake in mistakes)
+        raise RecordingError(
+            f"the recorded configuration is of another release: {wrong}; use the release that recorded it"
+        )
+    return config
 
 
 def _without_source(camera: CameraConfig) -> CameraConfig:
