@@ -35,17 +35,24 @@ def doctor(
         raise typer.Exit(FAILED)
 
 
-def limits(config: ConfigFile = None, settings: Settings = None) -> None:
-    """Print the limits of the robot's side, where each comes from, and how long and how far its stops are.
+def limits(
+    config: ConfigFile = None,
+    settings: Settings = None,
+    factor: Annotated[
+        float | None, typer.Option("--factor", help="Show them with this robot.limits_factor; the file stays as it is.")
+    ] = None,
+) -> None:
+    """Print limits, tool and payload of the robot's side, where each comes from, and how long and far its stops are.
 
-    Example: farhand limits --config /etc/farhand/remote.toml
+    Example: farhand limits --config /etc/farhand/remote.toml --factor 0.5
     """
     from farhand.limits.report import limits_report
     from remote_site.config import RemoteConfig
     from remote_site.kinematics.limits import load_arm
     from remote_site.safety.stop_bound import check_stops
 
-    loaded = load_own(RemoteConfig, config, settings or ())
+    tried = [] if factor is None else [f"robot.limits_factor={factor}"]
+    loaded = load_own(RemoteConfig, config, [*(settings or ()), *tried])
     model, bounds = load_arm(loaded.robot)
     for line in limits_report(loaded, model, bounds):
         say(line)

@@ -1,11 +1,13 @@
-"""The limits of a configured arm with their sources, and what its stops take, as Markdown."""
+"""The limits, tool and payload of a configured arm with their sources, and what its stops take, as Markdown."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from common.clock import NS_PER_MS
 from common.geometry import Array
+from farhand.limits.tables import figure, table
+from farhand.limits.tool_rows import tool_rows
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
 from remote_site.kinematics.limits import JointLimits
@@ -29,6 +31,10 @@ def limits_report(config: RemoteConfig, model: ArmModel, limits: JointLimits) ->
         "",
         *_limits_table(config, model, limits),
         "",
+        "Its tool, and what holds for all joints:",
+        "",
+        *table(["what", "value", "from"], [_factor_row(config), *tool_rows(config)]),
+        "",
         f"A stop takes at most, from a speed that no joint exceeds, with the tool up to {reach} from an axis:",
         "",
         *_stops_table(limits, levers, [speed for speed in SPEEDS_RAD_S if speed < full] + [full]),
@@ -40,18 +46,33 @@ def limits_report(config: RemoteConfig, model: ArmModel, limits: JointLimits) ->
 
 
 def _limits_table(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> list[str]:
-    robot, allowed_ms = config.robot, config.safety.longest_stop_ms
-    speed = FILE if robot.speed == 1 else f"robot.speed = {robot.speed:g} of {FILE}"
+    allowed_ms = config.safety.longest_stop_ms
     rows = [
         ("lowest, deg", np.degrees(limits.lower), _position_source(config)),
         ("highest, deg", np.degrees(limits.upper), _position_source(config)),
-        ("speed, rad/s", limits.velocity, speed),
-        ("acceleration, rad/s²", limits.acceleration, _acceleration_source(model)),
+        ("speed, rad/s", limits.velocity, _speed_source(config)),
+        ("acceleration, rad/s²", limits.acceleration, _acceleration_source(config, model)),
         ("jerk, rad/s³", limits.jerk, _jerk_source(config, model)),
         ("longest stop, ms", MS * np.array(longest_stops(limits)), f"the three above; {allowed_ms:g} are allowed"),
+        ("effort, N m", model.effort, f"{FILE}; Farhand commands none"),
     ]
     head = ["limit", *limits.names, "from"]
-    return _table(head, ([name, *map(_figure, values.tolist()), source] for name, values, source in rows))
+    return table(head, ([name, *map(figure, values.tolist()), source] for name, values, source in rows))
+
+
+def _times_factor(config: RemoteConfig) -> str:
+    """What follows a source where the factor tightens it."""
+    factor = config.robot.limits_factor
+    return "" if factor == 1 else f" times robot.limits_factor = {factor:g}"
+
+
+def _factor_row(config: RemoteConfig) -> tuple[str, str, str]:
+    return "factor on speed, acceleration and jerk", f"{config.robot.limits_factor:g}", "robot.limits_factor"
+
+
+def _speed_source(config: RemoteConfig) -> str:
+    speed = config.robot.speed
+    return (FILE if speed == 1 else f"robot.speed = {speed:g} of {FILE}") + _times_factor(config)
 
 
 def _position_source(config: RemoteConfig) -> str:
@@ -61,20 +82,22 @@ def _position_source(config: RemoteConfig) -> str:
     return f"{tightened}, less robot.position_margin_deg = {margin:g}" if margin else tightened
 
 
-def _acceleration_source(model: ArmModel) -> str:
-    return f"robot.acceleration_rad_s2; {_bound(model.acceleration)}"
+def _acceleration_source(config: RemoteConfig, model: ArmModel) -> str:
+    return f"robot.acceleration_rad_s2{_times_factor(config)}; {_bound(model.acceleration)}"
 
 
 def _jerk_source(config: RemoteConfig, model: ArmModel) -> str:
-    own = FILE if not model.without_jerk else f"{UNSTATED_JERK_RAD_S3:g} where {FILE} states none"
-    return own if isinstance(config.robot.jerk_rad_s3, str) else f"robot.jerk_rad_s3; {_bound(model.jerk)}"
+    times = _times_factor(config)
+    if not isinstance(config.robot.jerk_rad_s3, str):
+        return f"robot.jerk_rad_s3{times}; {_bound(model.jerk)}"
+    return (FILE if not model.without_jerk else f"{UNSTATED_JERK_RAD_S3:g} where {FILE} states none") + times
 
 
 def _bound(own: Array) -> str:
     """What the arm's file allows."""
     if not np.isfinite(own).all():
         return f"{FILE} states none"
-    least, most = _figure(own.min()), _figure(own.max())
+    least, most = figure(own.min()), figure(own.max())
     return f"{FILE} allows {least}" if least == most else f"{FILE} allows {least} to {most}"
 
 
@@ -88,9 +111,9 @@ def _stops_table(limits: JointLimits, levers: Sequence[float], speeds: Sequence[
     ]
     rows = []
     for speed in speeds:
-        name = f"{_figure(speed)} rad/s" + (", full speed" if speed == speeds[-1] else "")
+        name = f"{figure(speed)} rad/s" + (", full speed" if speed == speeds[-1] else "")
         rows.append([name, *_stop(steady_stop(limits, levers, speed)), *_stop(rising_stop(limits, levers, speed))])
-    return _table(head, rows)
+    return table(head, rows)
 
 
 def _stop(figures: StopFigures) -> tuple[str, str]:
@@ -102,7 +125,7 @@ def _ages_table(config: RemoteConfig, limits: JointLimits, levers: Sequence[floa
     least, most = AgeLimit(config.safety).range_ns
     ages_ns = sorted({least, min(2 * least, most), most})
     head = ["age limit", "greatest joint speed", "rest after", "the tool by one joint, by all"]
-    return _table(head, [_age_row(age_ns, config, limits, levers) for age_ns in ages_ns])
+    return table(head, [_age_row(age_ns, config, limits, levers) for age_ns in ages_ns])
 
 
 def _age_row(age_ns: int, config: RemoteConfig, limits: JointLimits, levers: Sequence[float]) -> list[str]:
@@ -111,13 +134,4 @@ def _age_row(age_ns: int, config: RemoteConfig, limits: JointLimits, levers: Seq
     before_s = age_ns / NS_PER_MS / MS + TICKS / config.control.rate_hz
     stop, (by_one_m, by_all_m) = rising_stop(slowed, levers, full), way(slowed, levers, full, before_s)
     whole = StopFigures(before_s + stop.seconds, by_one_m + stop.by_one_m, by_all_m + stop.by_all_m)
-    return [f"{age_ns / NS_PER_MS:g} ms", f"{_figure(full)} rad/s", *_stop(whole)]
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    return [f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *rows)]
-
-
-def _figure(value: float) -> str:
-    """Three digits, more before the point."""
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+    return [f"{age_ns / NS_PER_MS:g} ms", f"{figure(full)} rad/s", *_stop(whole)]

@@ -104,7 +104,9 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     position_margin_deg: Annotated[
         float, Meta(ge=0, le=20, description="distance kept from every joint limit, deg")
     ] = 1.0
-    speed: Annotated[float, Meta(gt=0, le=1, description="fraction of every joint's own maximum speed")] = 1.0
+    speed: Annotated[
+        float, Meta(gt=0, le=1, description="fraction of every joint's own maximum speed, and of nothing else")
+    ] = 1.0
     acceleration_rad_s2: Annotated[
         tuple[Annotated[float, Meta(gt=0, le=25)], ...],
         Meta(min_length=1, max_length=16, description="acceleration joint by joint, or one for all, rad/s²"),
@@ -113,6 +115,19 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         Annotated[float, Meta(gt=0)] | Literal["own"],
         Meta(description="every joint's jerk, rad/s³; \"own\": as the arm's file states it, 100 where it does not"),
     ] = OWN
+    limits_factor: Annotated[
+        float,
+        Meta(
+            gt=0,
+            le=1,
+            description="multiplies every joint's limits of speed, acceleration and jerk, after the keys above: "
+            "a stop takes as long, and its way shrinks in proportion",
+        ),
+    ] = 1.0
+    payload_kg: Annotated[
+        Annotated[float, Meta(gt=0, le=1000)] | None,
+        Meta(description="what the makers of arm and gripper allow beyond the tool, kg; shown, never measured"),
+    ] = None
     capsules: Annotated[
         tuple[CapsuleConfig, ...], Meta(description="what must not touch anything, besides the URDF's collision shapes")
     ] = GRIPPER

@@ -38,13 +38,14 @@ class JointLimits:
     def from_model(cls, model: ArmModel, config: RobotConfig) -> Self:
         """The model's limits, tightened; ConfigError names every joint whose configuration widens them."""
         lower, upper = _positions(model, config)
+        factor = config.limits_factor
         return cls(
             names=model.joint_names,
             lower=lower,
             upper=upper,
-            velocity=model.velocity * config.speed,
-            acceleration=_accelerations(model, config),
-            jerk=_jerks(model, config),
+            velocity=factor * config.speed * model.velocity,
+            acceleration=factor * _accelerations(model, config),
+            jerk=factor * _jerks(model, config),
         )
 
     def pace(self, dq: Array, ddq: Array) -> float:

@@ -32,8 +32,8 @@ class ArmModel:
     """A serial arm of one-degree joints; one instance serves one thread, since its workspace is reused.
 
     `joint_names` is the order of every joint vector; `lower`, `upper` (rad) and `velocity` (rad/s) are the
-    URDF's limits, each (n,); so is `acceleration` (rad/s²), inf where the URDF gives none, and `jerk` (rad/s³), 100
-    for the joints `without_jerk`.
+    URDF's limits, each (n,); so are `effort` (N m, or N of a joint that slides), `acceleration` (rad/s²), inf where the
+    URDF gives none, and `jerk` (rad/s³), 100 for the joints `without_jerk`.
     """
 
     def __init__(self, model: pin.Model, tcp_frame: int, limits: list[dict[str, str]]) -> None:
@@ -47,6 +47,7 @@ class ArmModel:
         self.lower: Array = np.array(model.lowerPositionLimit)
         self.upper: Array = np.array(model.upperPositionLimit)
         self.velocity: Array = np.array(model.velocityLimit)
+        self.effort: Array = np.array(model.effortLimit)
         self._data = model.createData()
         self.tcp_frame = tcp_frame
 

@@ -50,6 +50,59 @@ def test_an_arm_whose_file_states_little_is_said_to_do_so(tmp_path):
     assert rows["acceleration, rad/s²"][-1] == "robot.acceleration_rad_s2; the arm's file states none"
 
 
+def test_a_factor_is_tried_without_a_change_of_the_file(tmp_path):
+    file = tmp_path / "remote.toml"
+    written = "[robot]\nspeed = 0.5\nlimits_factor = 0.8\n"
+    file.write_text(written)
+    done = CliRunner().invoke(app, ["limits", "--config", str(file), "--factor", "0.5"])
+    source = "robot.speed = 0.5 of the arm's file times robot.limits_factor = 0.5"
+    assert f"| 0.785 | 0.785 | 0.785 | 0.746 | 0.755 | 0.746 | {source} |" in done.output
+    assert "| factor on speed, acceleration and jerk | 0.5 | robot.limits_factor |" in done.output
+    assert file.read_text() == written
+
+
+def test_the_factor_is_named_at_each_limit_that_it_tightens_and_no_stop_takes_longer():
+    full, half = printed(), printed("robot.limits_factor=0.5")
+    tightened = [name for name, row in half.items() if "times robot.limits_factor = 0.5" in row[-1]]
+    assert tightened == ["speed, rad/s", "acceleration, rad/s²", "jerk, rad/s³"]
+    assert not [name for name, row in full.items() if "times robot.limits_factor" in row[-1]]
+    assert half["acceleration, rad/s²"][:-1] == ["5", "5", "5", "10", "10", "10"]
+    assert half["longest stop, ms"] == full["longest stop, ms"]
+    assert half["1.57 rad/s, full speed"][2] == full["3.14 rad/s, full speed"][2] == "334 ms"
+    assert half["1.57 rad/s, full speed"][3] == "228 mm, 669 mm"
+
+
+def test_tool_payload_and_box_are_shown_with_their_keys():
+    rows = printed(
+        "robot.tool_offset_m=0.2",
+        "robot.payload_kg=1.5",
+        "grip.force_n=40",
+        "safety.workspace_max_m=[0.7, 0.5, 1.0]",
+    )
+    assert rows["tool centre point in it, mm"] == ["0, 0, 200", "robot.tool_offset_m, along z"]
+    assert rows["payload beyond the tool, kg"][0] == "1.5"
+    assert rows["largest grip force, N"][0] == "40"
+    assert rows["box of the tool centre point, m"][0] == "x 0.15 to 0.7, y -0.55 to 0.5, z 0.25 to 1"
+    assert printed()["payload beyond the tool, kg"][0] == "not stated"
+
+
+def test_capsules_are_counted_by_the_link_that_carries_them():
+    own = "{start_m=[0,0,0], end_m=[0,0.3,0.4], radius_m=0.1}, {start_m=[0,0,0], end_m=[0,0,0.1], radius_m=0.2}"
+    cable = "{link='forearm', start_m=[0,0,0], end_m=[0,0,0.1], radius_m=0.05}"
+    rows = printed(f"robot.capsules=[{own}, {cable}]")
+    assert rows["capsules on tool0"] == ["2, up to 600 mm from its origin", "robot.capsules"]
+    assert rows["capsules on forearm"][0] == "1, up to 150 mm from its origin"
+    assert printed("robot.capsules=[]")["capsules around the tool"][0] == "none: a bare flange"
+
+
+def test_the_effort_of_each_joint_is_the_files(tmp_path):
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text((ARMS / "offset_wrist.urdf").read_text().replace('effort="150"', 'effort="77"'))
+    rows = printed(f"robot.model={urdf}", "robot.acceleration_rad_s2=[10.0]")
+    assert "77" in rows["effort, N m"]
+    assert "150" not in rows["effort, N m"]
+
+
 def test_what_is_refused_is_printed_before():
     done = CliRunner().invoke(app, ["limits", "--set", "robot.jerk_rad_s3=1"])
     assert isinstance(done.exception, ConfigError)
