@@ -5,8 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import structlog
 
-from common.clock import NS_PER_MS, NS_PER_S, Clock
-from common.errors import DriverError
+from common.clock import NS_PER_MS
 from common.geometry import Array
 from common.process.service import StopFlag
 from remote_site.drivers.driver import DriverSetup
@@ -22,23 +21,19 @@ from remote_site.drivers.franka.robot_port import (
     RobotPort,
     RobotRefusedError,
 )
-from remote_site.drivers.franka.robot_time import RobotTime
+from remote_site.drivers.franka.robot_watch import RobotWatch
 
-AGAIN_NS = NS_PER_S
 HELD_APART_RAD = 0.05  # of a joint that the robot holds elsewhere than it is: it is being pushed
 
 
 class ArmLoop:
     """Connects, reads, moves when it is activated; each turn takes the robot's next millisecond."""
 
-    def __init__(self, connect: Callable[[], RobotPort], memory: ArmMemory, setup: DriverSetup, clock: Clock) -> None:
-        self._connect, self._memory, self._setup, self._clock = connect, memory, setup, clock
-        self._robot: RobotPort | None = None
+    def __init__(self, watch: RobotWatch, memory: ArmMemory, setup: DriverSetup) -> None:
+        self._watch, self._memory, self._setup = watch, memory, setup
         self._port: MotionPort | None = None
         self._motion: ArmMotion | None = None
-        self._time = RobotTime()
-        self._state: ArmState | None = None
-        self._stamp_ns = self._activation = 0
+        self._activation = 0
         self._q0: Array | None = None  # where an activation waits for the robot to be idle
         self._brakes = False
         self._fault: RobotFault | None = None
@@ -57,10 +52,9 @@ class ArmLoop:
         """Take the robot's next state, and answer it."""
         self._take_orders()
         try:
-            if self._robot is None:
-                self._robot = self._connect()
+            robot = self._watch.connected()
             if self._port is None:
-                self._idle(self._robot)
+                self._idle(robot)
             else:
                 self._drive(self._port)
         except LinkLostError as error:
@@ -85,7 +79,7 @@ class ArmLoop:
                 self._motion.add(order.command)
 
     def _idle(self, robot: RobotPort) -> None:
-        state = self._note(robot.read())
+        state = self._watch.read(robot)
         if self._aborted:
             why = fault_of(state.errors or state.motion_errors, self._aborted) or mode_fault(state.mode)
             self._fault, self._aborted = why or self._fault, ""
@@ -98,7 +92,7 @@ class ArmLoop:
         self._q0 = None
         if state.errors or state.mode == "Reflex":
             robot.recover()
-            state = self._note(robot.read())
+            state = self._watch.read(robot)
         refused = fault_of(state.errors) or mode_fault(state.mode)
         if refused is None and np.abs(state.held - q0).max() > HELD_APART_RAD:
             refused = apart(self._setup.joint_names, q0.tolist(), state.held.tolist())
@@ -109,24 +103,20 @@ class ArmLoop:
         self._motion = ArmMotion(state.held, q0, self._setup)
 
     def _drive(self, port: MotionPort) -> None:
-        before, state = self._state, self._note(port.read())
+        before, state = self._watch.state, self._watch.read(port)
         motion = self._motion
         if motion is None:
             return
         if self._brakes:
             motion.brake()
         ticks = 1 if before is None else max(round((state.t_ns - before.t_ns) / NS_PER_MS), 1)
-        q = motion.step(ticks, self._stamp_ns)
+        q = motion.step(ticks, self._watch.stamp_ns)
         if motion.fault is not None and self._fault is None and self._q0 is None:
             self._fault = motion.fault
         port.write(q, finished=motion.finished)
         if motion.finished:
             self._end_motion(self._fault)
         self._report()
-
-    def _note(self, state: ArmState) -> ArmState:
-        self._state, self._stamp_ns = state, self._time.stamp(state.t_ns, self._clock.now_ns())
-        return state
 
     def _end_motion(self, fault: RobotFault | None) -> None:
         self._port, self._motion, self._fault = None, None, fault
@@ -135,12 +125,13 @@ class ArmLoop:
         """Connect anew, after a while; the stamps show since when nothing is measured."""
         structlog.get_logger().warning("the robot does not answer", said=str(error))
         self._end_motion(RobotFault(FaultCode.LINK, f"the robot does not answer: {error}; check cable and power"))
-        self._robot, self._time, self._q0, self._aborted = None, RobotTime(), None, ""
+        self._watch.forget()
+        self._q0, self._aborted = None, ""
         self._report()
-        self._clock.sleep_until_ns(self._clock.now_ns() + AGAIN_NS)
+        self._watch.wait()
 
     def _report(self) -> None:
-        state, motion = self._state, self._motion
+        state, motion = self._watch.state, self._motion
         if state is None:
             return
         fault = self._fault
@@ -148,7 +139,7 @@ class ArmLoop:
             fault = fault_of(state.errors) or mode_fault(state.mode)
         active = motion is not None and fault is None and not self._brakes and self._q0 is None
         obeyed = motion.obeyed if motion is not None else None
-        status = ArmStatus(self._stamp_ns, self._activation, active, obeyed, state.q, state.dq, fault)
+        status = ArmStatus(self._watch.stamp_ns, self._activation, active, obeyed, state.q, state.dq, fault)
         self._memory.report(status)
 
 
@@ -159,21 +150,3 @@ def run_arm_loop(loop: ArmLoop, should_stop: StopFlag, beat: Callable[[], None])
             loop.brake()
         loop.turn()
         beat()
-
-
-def connected_once(connect: Callable[[], RobotPort]) -> Callable[[], RobotPort]:
-    """A connection whose first failure ends the process with its sentence; later ones are tried again."""
-    seen = False
-
-    def again() -> RobotPort:
-        nonlocal seen
-        try:
-            robot = connect()
-        except (LinkLostError, RobotRefusedError) as error:
-            if seen:
-                raise LinkLostError(str(error)) from error
-            raise DriverError(f"the robot cannot be reached: {error}; is FCI active in Desk?") from error
-        seen = True
-        return robot
-
-    return again

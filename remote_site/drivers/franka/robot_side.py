@@ -8,11 +8,12 @@ from common.errors import ProcessError
 from common.process.children import Children, Heartbeat
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.drivers.driver import DriverSetup
-from remote_site.drivers.franka.arm_loop import ArmLoop, connected_once, run_arm_loop
+from remote_site.drivers.franka.arm_loop import ArmLoop, run_arm_loop
 from remote_site.drivers.franka.arm_memory import ArmMemory, HandMemory
 from remote_site.drivers.franka.client import FrankaHand, FrankaRobot
 from remote_site.drivers.franka.config import FrankaConfig
 from remote_site.drivers.franka.hand_loop import HandLoop, run_hand_loop
+from remote_site.drivers.franka.robot_watch import RobotWatch, connected_once
 
 FIFO_PRIORITY = 48  # below control, above the driver's process: each millisecond of the robot is answered in time
 
@@ -50,7 +51,7 @@ class RobotProcesses:
     def _run_arm(self, setup: DriverSetup, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
         config = self._config
         connect = connected_once(partial(FrankaRobot, config.host, realtime=config.realtime))
-        loop = ArmLoop(connect, self.arm, setup, self._clock)
+        loop = ArmLoop(RobotWatch(connect, self._clock), self.arm, setup)
         ask_for_real_time(FIFO_PRIORITY)
         gc.collect()
         gc.freeze()  # collecting all that was imported would take several of the robot's milliseconds

@@ -19,6 +19,7 @@ from remote_site.drivers.franka.config import FrankaConfig
 from remote_site.drivers.franka.driver import FrankaDriver
 from remote_site.drivers.franka.hand_loop import HandLoop
 from remote_site.drivers.franka.robot_port import ArmState, HandState
+from remote_site.drivers.franka.robot_watch import RobotWatch
 from remote_site.runtime.driver_process import setup_of
 
 CONFIG = load_config(RemoteConfig, DRIVER_FILES[FRANKA], ["driver.emulate=true"])
@@ -124,7 +125,7 @@ class SteppedSide(FakeClock):
 
     def start(self, setup: DriverSetup) -> None:
         now = _Now(self)
-        self.loop = ArmLoop(self._connect, self.arm, setup, now)
+        self.loop = ArmLoop(RobotWatch(self._connect, now), self.arm, setup)
         if self._grips is not None and self.hand is not None:
             grips = self._grips
             self._hand_loop = HandLoop(lambda: grips, self.hand, now, 0.1, setup.grip_force_n)

@@ -4,8 +4,9 @@ import pytest
 
 from common.errors import DriverError
 from common.process.service import StopFlag
-from remote_site.drivers.franka.arm_loop import connected_once, run_arm_loop
+from remote_site.drivers.franka.arm_loop import run_arm_loop
 from remote_site.drivers.franka.robot_port import LinkLostError, RobotPort, RobotRefusedError
+from remote_site.drivers.franka.robot_watch import connected_once
 from tests.remote_site.drivers.franka.driven_arm import DrivenArm
 from tests.remote_site.drivers.franka.fake_robot import FakeRobot
 

@@ -1,0 +1,59 @@
+"""What is known of the robot: its connection, made anew when it is lost, its newest state, and the time of that."""
+
+from collections.abc import Callable
+
+from common.clock import NS_PER_S, Clock
+from common.errors import DriverError
+from remote_site.drivers.franka.robot_port import ArmState, LinkLostError, MotionPort, RobotPort, RobotRefusedError
+from remote_site.drivers.franka.robot_time import RobotTime
+
+AGAIN_NS = NS_PER_S
+
+
+class RobotWatch:
+    """To be read: the newest `state`, None before the first, and `stamp_ns`, when it was measured."""
+
+    def __init__(self, connect: Callable[[], RobotPort], clock: Clock) -> None:
+        self._connect, self._clock = connect, clock
+        self._robot: RobotPort | None = None
+        self._time = RobotTime()
+        self.state: ArmState | None = None
+        self.stamp_ns = 0
+
+    def connected(self) -> RobotPort:
+        """The robot; LinkLostError where it does not answer."""
+        if self._robot is None:
+            self._robot = self._connect()
+        return self._robot
+
+    def read(self, port: RobotPort | MotionPort) -> ArmState:
+        """The robot's next state."""
+        self.state = port.read()
+        self.stamp_ns = self._time.stamp(self.state.t_ns, self._clock.now_ns())
+        return self.state
+
+    def forget(self) -> None:
+        """The connection is lost: the next one is a new one, with a time of its own."""
+        self._robot, self._time = None, RobotTime()
+
+    def wait(self) -> None:
+        """Until it is tried again to connect."""
+        self._clock.sleep_until_ns(self._clock.now_ns() + AGAIN_NS)
+
+
+def connected_once(connect: Callable[[], RobotPort]) -> Callable[[], RobotPort]:
+    """A connection whose first failure ends the process with its sentence; later ones are tried again."""
+    seen = False
+
+    def again() -> RobotPort:
+        nonlocal seen
+        try:
+            robot = connect()
+        except (LinkLostError, RobotRefusedError) as error:
+            if seen:
+                raise LinkLostError(str(error)) from error
+            raise DriverError(f"the robot cannot be reached: {error}; is FCI active in Desk?") from error
+        seen = True
+        return robot
+
+    return again
