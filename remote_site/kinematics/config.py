@@ -118,7 +118,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     limits_factor: Annotated[
         float,
         Meta(
-            gt=0,
+            ge=0.01,
             le=1,
             description="multiplies every joint's limits of speed, acceleration and jerk, after the keys above: "
             "a stop takes as long, and its way shrinks in proportion",
