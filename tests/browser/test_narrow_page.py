@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -56,6 +57,37 @@ def test_a_live_page_is_whole(narrow: Told) -> None:
     narrow.until("the acknowledgement", lambda: "acknowledged" in narrow.page.words("#alert"))
     check(narrow.page)
     assert narrow.page.page.is_visible("#stop")
+
+
+def is_pressed(told: Told, finger: Any) -> bool:
+    """Put a finger on the key, where it is now, and say whether it counts; a busy page may hide it in between."""
+    page = told.page.page
+    page.evaluate("() => document.getElementById('hold').scrollIntoView({ block: 'center' })")
+    box = page.locator("#hold").bounding_box()
+    if box is None:
+        return False
+    at = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+    finger.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [at]})
+    page.wait_for_timeout(100)
+    if page.get_attribute("#hold", "aria-pressed") == "true":
+        return True
+    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    return False
+
+
+def test_a_finger_enlarges_a_view_stops_the_arm_and_holds_the_key(narrow: Told) -> None:
+    page = narrow.page.page
+    page.tap("[data-name=side]")
+    assert page.get_attribute("[data-name=side]", "class") == "view enlarged"
+    page.tap("[data-name=side]")
+    assert page.get_attribute("[data-name=side]", "class") == "view"
+    finger = page.context.new_cdp_session(page)
+    narrow.until("the press", lambda: is_pressed(narrow, finger))
+    narrow.until("the hold", lambda: narrow.intents[-1].intent is not None and narrow.intents[-1].intent.hold)
+    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    narrow.until("its end", lambda: narrow.intents[-1].intent is not None and not narrow.intents[-1].intent.hold)
+    page.tap("#stop")
+    narrow.until("the acknowledgement", lambda: "acknowledged" in narrow.page.words("#alert"))
 
 
 def test_a_live_page_without_pictures_and_with_an_enlarged_one_is_whole(narrow: Told) -> None:

@@ -138,7 +138,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["remote", "--set", "robot.model=/none.urdf"], 2, "neither a built-in model"),
         (["remote", "--set", "robot.tool_frame=hook"], 2, "set robot.tool_frame to one of"),
         (["remote", "--set", "safety.collision.ignored_pairs=[['hook', 'table']]"], 2, "ignored_pairs: no hook"),
-        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: c500c, kinematic, simulated"),
+        (["remote", "--set", "driver.name=elbow"], 1, "choose one of: c500c, franka, kinematic, simulated"),
         (["remote", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
         (["loopback", "--driver", "none"], 1, "choose one of"),
         (["loopback", "--set", "driver.nme=x"], 2, "did you mean name?"),
