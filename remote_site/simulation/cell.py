@@ -94,8 +94,10 @@ def _read_arm(urdf: Path) -> mujoco.MjSpec:
             if link.find("visual") is not None:  # then its collision elements are for clearance, not for contact
                 for hull in link.findall("collision"):
                     link.remove(hull)
+        for mesh in robot.iter("mesh"):
+            mesh.set("filename", str(urdf.parent / mesh.get("filename", "")))
         extension = ElementTree.SubElement(robot, "mujoco")
-        ElementTree.SubElement(extension, "compiler", discardvisual="false", fusestatic="false")
+        ElementTree.SubElement(extension, "compiler", discardvisual="false", fusestatic="false", strippath="false")
         return mujoco.MjSpec.from_string(ElementTree.tostring(robot, encoding="unicode"))
     except (OSError, ElementTree.ParseError, ValueError) as error:
         raise ModelError(f"{urdf}: MuJoCo cannot read this robot: {error}") from error

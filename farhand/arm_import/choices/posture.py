@@ -1,0 +1,109 @@
+"""A start posture: the tool before the arm, free to move all around, clear of limits, cell and itself; pure."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from common.errors import ModelError
+from common.geometry import Array, transform
+from farhand.arm_import.choices.box import Box, choose_box
+from farhand.arm_import.choices.reaching import WORST_CONDITION, Quality, Reaching
+
+Direction = Literal["down", "forward"]
+DIRECTIONS: tuple[Direction, ...] = ("down", "forward")
+# The tool's axes (columns) in the base's: z along the fingers; -x is up, or forward where the tool points down, so
+# that a camera on the tool sees what is ahead above; y, along which fingers close, to the left.
+BASE_R_TOOL: dict[Direction, Array] = {
+    "down": np.array([[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]),
+    "forward": np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]),
+}
+AHEAD, HIGH = (0.45, 0.55, 0.65), (0.30, 0.38, 0.46)  # of the reach, where the tool may begin
+TRIED, SEEDS = 4000, 16  # postures, and how many of them a search begins from
+TURN_M = 0.3
+FINALISTS = 5
+LEAST_M, CLEAR_M = 0.0115, 0.06  # from the cell and itself: less is not taken, more is no better
+WOUND, WOUND_IF_FREE = 0.1, 1.0  # cost of turns from the middle of the ranges; of more axes than six, one is free
+SIX = 6
+APART_RAD = 0.5
+ROOM_RAD = 0.35  # to a joint's limit: more is no better
+SCALES = (1.0, 0.75, 0.5, 0.35, 0.25)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """A start posture (n,) in rad, where the tool points, and the box of all that it reaches from there.
+
+    `scale` is how much of the hand's motion fits before the arm.
+    """
+
+    q: Array
+    points: Direction
+    scale: float
+    box: Box
+    quality: Quality
+
+
+def choose_start(reaching: Reaching, reach_m: float, points: Direction | None = None) -> Start:
+    """The start posture with the largest box; ModelError where there is none."""
+    directions = DIRECTIONS if points is None else (points,)
+    finalists = [(d, q) for d in directions for q in _finalists(reaching, reach_m, d)]
+    for scale in SCALES:
+        boxes = [(d, q, choose_box(reaching, q, reach_m, scale)) for d, q in finalists]
+        found = [Start(q, d, scale, box, reaching.quality(q)) for d, q, box in boxes if box is not None]
+        if found:
+            return max(found, key=lambda start: start.box.volume)
+    raise ModelError(
+        "no posture was found from which the tool moves freely before the arm, pointing down or forward, clear of the "
+        "table at z = 0; an arm needs six joints or more, and its base's z upwards: say where it begins with --base"
+    )
+
+
+def _finalists(reaching: Reaching, reach_m: float, points: Direction) -> list[Array]:
+    return _distinct(sorted(_candidates(reaching, reach_m, points), key=lambda found: found[0]))
+
+
+def _distinct(candidates: list[tuple[float, Array]]) -> list[Array]:
+    """The best that differ from each other."""
+    chosen: list[Array] = []
+    for _, q in candidates:
+        if all(np.abs(q - other).max() > APART_RAD for other in chosen):
+            chosen.append(q)
+        if len(chosen) == FINALISTS:
+            break
+    return chosen
+
+
+def _candidates(reaching: Reaching, reach_m: float, points: Direction) -> Iterator[tuple[float, Array]]:
+    """Postures with their costs."""
+    seeds = np.array(list(reaching.postures(TRIED)))
+    poses = np.array([reaching.model.forward(q) for q in seeds])
+    for ahead in AHEAD:
+        for high in HIGH:
+            target = transform(BASE_R_TOOL[points], np.array([ahead * reach_m, 0.0, high * reach_m]))
+            for seed in seeds[_nearest(poses, target)]:
+                q = reaching.towards(target, seed, reaching.middle if len(seed) > SIX else seed)
+                if q is not None and (cost := _cost(reaching, q)) < math.inf:
+                    yield cost, q
+
+
+def _nearest(poses: Array, target: Array) -> NDArray[np.intp]:
+    """The numbers of the poses (m x 4 x 4) nearest to a target, a turn of 1 rad counting as TURN_M."""
+    away = np.linalg.norm(poses[:, :3, 3] - target[:3, 3], axis=1)
+    cosines = (np.einsum("kij,ij->k", poses[:, :3, :3], target[:3, :3]) - 1.0) / 2.0
+    return np.argsort(away + TURN_M * np.arccos(np.clip(cosines, -1.0, 1.0)))[:SEEDS]
+
+
+def _cost(reaching: Reaching, q: Array) -> float:
+    """Less is better: singular and wound up postures cost, and such that are close to something or to a limit."""
+    quality = reaching.quality(q)
+    if quality.distance_m < LEAST_M or quality.room_rad < ROOM_RAD / 2 or quality.condition > WORST_CONDITION:
+        return math.inf
+    close = max(0.0, CLEAR_M - quality.distance_m) / CLEAR_M
+    short = max(0.0, ROOM_RAD - quality.room_rad) / ROOM_RAD
+    wound = float(np.square((q - reaching.middle) / math.pi).sum())
+    weight = WOUND_IF_FREE if len(q) > SIX else WOUND
+    return math.log(quality.condition) + close + short + weight * wound
