@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array, transform
-from farhand.arm_import.choices.cell import JointNumbers, Scene, fitting_speed, joint_numbers, scene, table
+from farhand.arm_import.choices.cell import JointNumbers, Scene, fitting_speed, joint_numbers, margins, scene, table
 from farhand.arm_import.choices.posture import Direction, Start, choose_start
 from farhand.arm_import.choices.reaching import Reaching, reach_of, touching
 from farhand.arm_import.choices.tool import GRIPPER_M
@@ -17,7 +17,7 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig
 
-Prepare = Callable[[Collection[str]], PreparedArm]
+Prepare = Callable[[Collection[str], bool], PreparedArm]  # links as hulls; whether the tool's frame is turned
 Load = Callable[[PreparedArm], "LoadedArm"]
 OFTEN, FREED = 0.2, 0.1  # of all postures: capsules that touch so often give way to hulls that free so many
 NEARLY_ALWAYS = 0.95  # of all postures: those bodies are built into each other
@@ -43,6 +43,7 @@ class Design:
     joints: JointNumbers
     fixtures: tuple[FixtureConfig, ...]
     ignored: tuple[tuple[str, str], ...]
+    margins: tuple[float, float]
     start: Start
     tool_m: Array
     scene: Scene
@@ -70,10 +71,10 @@ def _row(point: Array) -> tuple[float, float, float]:
 
 def design(prepare: Prepare, load: Load, points: Direction | None) -> Design:
     """Choose everything; ModelError where there is no start posture."""
-    capsules = prepare(())
-    hulls = _better_as_hulls(_touching(capsules, load), lambda: _touching(prepare(_meshed(capsules)), load))
+    capsules = prepare((), False)
+    hulls = _better_as_hulls(_touching(capsules, load), lambda: _touching(prepare(_meshed(capsules), False), load))
     hulls = tuple(name for name in hulls if name in _meshed(capsules))
-    prepared = prepare(hulls) if hulls else capsules
+    prepared = prepare(hulls, False) if hulls else capsules
     arm, numbers = load(prepared), joint_numbers(prepared.joints)
     robot = RobotConfig(acceleration_rad_s2=numbers.acceleration)
     limits = JointLimits.from_model(arm.model, robot)
@@ -85,7 +86,7 @@ def design(prepare: Prepare, load: Load, points: Direction | None) -> Design:
     start = choose_start(reaching, reach_m, points)
     tool_m = arm.model.position(start.q)
     return Design(
-        prepared,
+        prepare(hulls, True) if start.turned else prepared,
         hulls,
         reach_m,
         limits,
@@ -93,6 +94,7 @@ def design(prepare: Prepare, load: Load, points: Direction | None) -> Design:
         numbers,
         fixtures,
         ignored,
+        margins(start.box.near_m),
         start,
         tool_m,
         scene(tool_m, reach_m, start.scale),

@@ -46,9 +46,11 @@ def cover_links(arm: ChosenArm, find: FindFile) -> dict[str, CoveredLink]:
     return {name: cover_link(link, find, moves=name in moved) for name, link in arm.description.links.items()}
 
 
-def prepare(arm: ChosenArm, covered: Mapping[str, CoveredLink], find: FindFile, hulls: Collection[str]) -> PreparedArm:
+def prepare(
+    arm: ChosenArm, covered: Mapping[str, CoveredLink], find: FindFile, hulls: Collection[str], *, turned: bool = False
+) -> PreparedArm:
     """Place the tool, and take the convex hulls of some links' meshes instead of the capsules around them."""
-    tool = choose_tool(arm, {name: each.link for name, each in covered.items()})
+    tool = choose_tool(arm, {name: each.link for name, each in covered.items()}, turned=turned)
     links = {
         name: (with_hulls(each, arm.description.links[name], find) if name in hulls else each).link
         for name, each in covered.items()

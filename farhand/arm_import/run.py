@@ -83,8 +83,8 @@ def _design(arm: ChosenArm, request: ImportRequest) -> Design:
     find = Packages(request.urdf.resolve().parent, request.packages, request.search).find
     covered = cover_links(arm, find)
 
-    def prepared(hulls: Collection[str]) -> PreparedArm:
-        return prepare(arm, covered, find, hulls)
+    def prepared(hulls: Collection[str], turned: bool) -> PreparedArm:
+        return prepare(arm, covered, find, hulls, turned=turned)
 
     with tempfile.TemporaryDirectory(prefix="farhand-") as folder:
         return design(prepared, partial(_load, Path(folder) / "arm.urdf"), request.points)

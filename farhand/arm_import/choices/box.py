@@ -1,6 +1,7 @@
 """A box of the tool centre point all of which the arm reaches, with the tool as at the start; pure."""
 
 import itertools
+import math
 from collections import deque
 from dataclasses import dataclass
 
@@ -9,12 +10,15 @@ from numpy.typing import NDArray
 
 from common.geometry import Array, transform
 from farhand.arm_import.choices.reaching import WORST_CONDITION, Reaching
+from remote_site.safety.config import CollisionConfig
 
 POINTS = 12  # of the grid over the reach
 LOWEST_M = 0.03
+NEAR_M = CollisionConfig().slow_m
 LEAST_DISTANCE_M = 0.0115  # a little more than is always kept
 # What an operator's hand moves in front of him, from the start, m: forward, to the left, up.
 ROOM_M = ((-0.08, 0.0, 0.14), (-0.22, -0.11, 0.0, 0.11, 0.22), (-0.18, -0.09, 0.0, 0.12))
+LEAST_ROOM_RAD = 0.05
 Cell = tuple[int, int, int]
 STEPS: tuple[Cell, ...] = ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))
 
@@ -58,10 +62,12 @@ class Grid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Box:
-    """Its lower and upper corner (3,) in m, and the volume in m³."""
+    """Its lower and upper corner (3,) in m; `near_m` is the least distance, in the hand's room, of the bodies that
+    already are near each other at the start, inf where none are."""
 
     low: Array
     high: Array
+    near_m: float
 
     @property
     def volume(self) -> float:
@@ -82,9 +88,10 @@ def choose_box(reaching: Reaching, start_q: Array, reach_m: float, scale: float)
     flood.fill(grid.first, grid.last)
     if not flood.reached[_slices(grid.first, grid.last)].all():
         return None
+    near_m = flood.least_distance()
     flood.fill((0, 0, 0), _cell(tuple(n - 1 for n in grid.size)))
     low, high = largest_box(flood.reached, grid)
-    return Box(grid.at(low), grid.at(high))
+    return Box(grid.at(low), grid.at(high), near_m)
 
 
 class _Flood:
@@ -108,6 +115,12 @@ class _Flood:
                 if inside and after not in self._postures and self._reach(after, self._postures[cell]):
                     waiting.append(after)
 
+    def least_distance(self) -> float:
+        """So far, of the bodies that are near each other at the start, m."""
+        collision = self._reaching.collision
+        near = np.flatnonzero(collision.distances(self._start_q) < NEAR_M)
+        return min(float(collision.distances(q, near).min(initial=math.inf)) for q in self._postures.values())
+
     def _reach(self, cell: Cell, q: Array) -> bool:
         there = self._reaching.towards(transform(self._base_R_tool, self._grid.at(cell)), q, self._start_q)
         if there is None or not _good(self._reaching, there):
@@ -119,7 +132,11 @@ class _Flood:
 
 def _good(reaching: Reaching, q: Array) -> bool:
     quality = reaching.quality(q)
-    return quality.condition <= WORST_CONDITION and quality.distance_m >= LEAST_DISTANCE_M and quality.room_rad > 0.0
+    return (
+        quality.condition <= WORST_CONDITION
+        and quality.distance_m >= LEAST_DISTANCE_M
+        and quality.room_rad >= LEAST_ROOM_RAD
+    )
 
 
 def largest_box(reached: NDArray[np.bool_], grid: Grid) -> tuple[Cell, Cell]:

@@ -8,9 +8,11 @@ import numpy as np
 from common.geometry import Array
 from farhand.arm_import.description.elements import Joint
 from remote_site.kinematics.limits import JointLimits
-from remote_site.safety.config import FixtureConfig
+from remote_site.safety.collision_avoidance import SPARE
+from remote_site.safety.config import CollisionConfig, FixtureConfig
 from remote_site.safety.stop_bound import longest_stops
 
+TO_SPARE_M, LEAST_MARGIN_M = 0.002, 0.002
 TABLE_BEHIND_M, TABLE_THICK_M = 0.35, 0.5
 ACCELERATION_RAD_S2 = 10.0  # of a joint whose file states none
 MOST_ACCELERATION_RAD_S2 = 25.0  # that a configuration may give
@@ -25,6 +27,18 @@ def table(reach_m: float) -> FixtureConfig:
     """A table under and around the base, its top at z = 0 of the base frame."""
     reach = _round(reach_m)
     return FixtureConfig(name="table", min_m=(-TABLE_BEHIND_M, -reach, -TABLE_THICK_M), max_m=(reach, reach, 0.0))
+
+
+def margins(near_m: float) -> tuple[float, float]:
+    """What is always kept, and from where the arm slows, m, for an arm that is built with gaps of `near_m`.
+
+    Without such gaps these are the defaults. A gap within them would slow the arm wherever it is.
+    """
+    usual = CollisionConfig()
+    if near_m >= usual.slow_m:
+        return usual.margin_m, usual.slow_m
+    margin = min(usual.margin_m, max(near_m - SPARE - TO_SPARE_M, LEAST_MARGIN_M))
+    return round(margin, 4), round(max(near_m - TO_SPARE_M / 2, margin + SPARE), 4)
 
 
 @dataclass(frozen=True, slots=True)

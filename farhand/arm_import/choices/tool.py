@@ -35,8 +35,8 @@ class Tool:
     notes: tuple[str, ...]
 
 
-def choose_tool(arm: ChosenArm, links: Mapping[str, Link]) -> Tool:
-    """The tool of an arm whose links have capsules."""
+def choose_tool(arm: ChosenArm, links: Mapping[str, Link], *, turned: bool = False) -> Tool:
+    """The tool of an arm whose links have capsules, its frame `turned` by half a turn about the tool's axis."""
     robot, last = arm.description, arm.last_link
     notes: list[str] = []
     last_T_frame = pose_from(robot, last, arm.tool)
@@ -55,6 +55,11 @@ def choose_tool(arm: ChosenArm, links: Mapping[str, Link]) -> Tool:
         what, where = ("the tool centre point", "the tool's") if own else ("the flange", "the last link's")
         notes.append(f"{arm.tool}: {what} is taken {1e3 * shift:.0f} mm beyond it, at {where} end")
     mount = last_T_frame @ aligned @ transform(np.eye(3), np.array([0.0, 0.0, shift - (GRIPPER_M if own else 0.0)]))
+    if turned:
+        mount = mount @ np.diag([-1.0, -1.0, 1.0, 1.0])
+        notes.append(
+            f"{FRAME}: turned by half a turn about the tool, so that the last joint begins far from its limits"
+        )
     same = np.abs(mount - last_T_frame).max() < 1e-9
     return Tool(arm.tool if same else FRAME, mount, own, tuple(carried) if own else (), tuple(notes))
 

@@ -5,8 +5,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from farhand.arm_import.choices.tool import GRIPPER_M
-from farhand.arm_import.design import Design
 from farhand.arm_import.description.arm import Locked
+from farhand.arm_import.design import Design
+from remote_site.safety.config import CollisionConfig
 
 LISTED = 3
 MM = 1e3
@@ -87,7 +88,18 @@ def _computed(design: Design) -> list[str]:
     return [
         f"computed: start posture {_angles(np.degrees(start.q).tolist())} deg, the tool pointing {start.points}{scale}",
         f"computed: a box of {size[0]:.2f} x {size[1]:.2f} x {size[2]:.2f} m for the tool, reached all over",
+        *_margin(design),
         *(speed if design.speed < 1 else []),
+    ]
+
+
+def _margin(design: Design) -> list[str]:
+    (margin, _), near = design.margins, design.start.box.near_m
+    if margin >= CollisionConfig().margin_m:
+        return []
+    return [
+        f"computed: {MM * margin:.1f} mm are always kept, less than the usual {MM * CollisionConfig().margin_m:.0f}, "
+        f"since links of this arm are {MM * near:.0f} mm from each other wherever it is"
     ]
 
 

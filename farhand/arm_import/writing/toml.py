@@ -9,7 +9,7 @@ from farhand.arm_import.choices.cell import ROBOTS_OWN, Scene
 from farhand.arm_import.choices.tool import GRIPPER_M
 from farhand.arm_import.design import Design, tool_capsules
 from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3, CapsuleConfig
-from remote_site.safety.config import FixtureConfig
+from remote_site.safety.config import CollisionConfig, FixtureConfig
 
 
 def toml_text(design: Design, urdf: str, head: Sequence[str]) -> str:
@@ -92,19 +92,31 @@ def _mapping(design: Design) -> list[str]:
 def _safety(design: Design) -> list[str]:
     box = design.start.box
     lines = [
-        "[safety] # the box of the tool centre point, in the base frame: reached all over with the tool as at the start",
+        "[safety] # the box of the tool centre point in the base frame: reached all over, the tool as at the start",
         f"workspace_min_m = {_row(box.low.tolist(), 3)}",
         f"workspace_max_m = {_row(box.high.tolist(), 3)}",
     ]
-    if design.ignored:
-        pairs = ", ".join(f"[{_text(one)}, {_text(other)}]" for one, other in design.ignored)
-        lines += [
-            "",
-            "[safety.collision]",
-            f"ignored_pairs = [{pairs}] # these touch in nearly every posture: so they are built",
-        ]
+    lines += ["", *_collision(design)]
     for fixture in design.fixtures:
         lines += ["", *_fixture(fixture)]
+    return lines
+
+
+def _collision(design: Design) -> list[str]:
+    (margin, slow), near = design.margins, design.start.box.near_m
+    why = (
+        f", since links of this arm are {1e3 * near:.0f} mm from each other wherever it is"
+        if near < CollisionConfig().slow_m
+        else ""
+    )
+    lines = [
+        "[safety.collision]",
+        f"margin_m = {margin:g} # always kept{why}",
+        f"slow_m = {slow:g} # nearer, the arm approaches more slowly",
+    ]
+    if design.ignored:
+        pairs = ", ".join(f"[{_text(one)}, {_text(other)}]" for one, other in design.ignored)
+        lines.append(f"ignored_pairs = [{pairs}] # these touch in nearly every posture: so they are built")
     return lines
 
 
