@@ -47,6 +47,18 @@ class Design:
     start: Start
     tool_m: Array
     scene: Scene
+    jerk_given: bool
+
+    @property
+    def without_jerk(self) -> tuple[str, ...]:
+        """The joints whose file states no jerk."""
+        return tuple(joint.name for joint in self.prepared.arm.joints if joint.limit.jerk is None)
+
+    @property
+    def jerk(self) -> float:
+        """What counts for them, rad/s³."""
+        written = {joint.name: joint.limit.jerk for joint in self.prepared.joints}
+        return min((written[name] or 0.0 for name in self.without_jerk), default=0.0)
 
 
 def tool_T_tcp() -> Array:
@@ -69,7 +81,7 @@ def _row(point: Array) -> tuple[float, float, float]:
     return x, y, z
 
 
-def design(prepare: Prepare, load: Load, points: Direction | None) -> Design:
+def design(prepare: Prepare, load: Load, points: Direction | None, *, jerk_given: bool) -> Design:
     """Choose everything; ModelError where there is no start posture."""
     capsules = prepare((), False)
     hulls = _better_as_hulls(_touching(capsules, load), lambda: _touching(prepare(_meshed(capsules), False), load))
@@ -97,7 +109,8 @@ def design(prepare: Prepare, load: Load, points: Direction | None) -> Design:
         margins(start.box.near_m),
         start,
         tool_m,
-        scene(tool_m, reach_m, start.scale),
+        scene(tool_m, reach_m, start.scale, points_down=start.points == "down"),
+        jerk_given,
     )
 
 

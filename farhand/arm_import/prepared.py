@@ -10,6 +10,7 @@ from farhand.arm_import.description.elements import Description, Joint, Link, Me
 from farhand.arm_import.shapes.links import CoveredLink, FindFile, cover_link, with_hulls
 
 TURNS_RAD = math.tau  # to each side, of a joint that turns without end
+JERK_RAD_S3 = 500.0  # of a joint whose file states none: the least that makers of arms beside people publish
 EFFORT = 50.0  # N m, of a joint whose file states none
 
 
@@ -47,16 +48,26 @@ def cover_links(arm: ChosenArm, find: FindFile) -> dict[str, CoveredLink]:
 
 
 def prepare(
-    arm: ChosenArm, covered: Mapping[str, CoveredLink], find: FindFile, hulls: Collection[str], *, turned: bool = False
+    arm: ChosenArm,
+    covered: Mapping[str, CoveredLink],
+    find: FindFile,
+    hulls: Collection[str],
+    *,
+    turned: bool = False,
+    jerk: float | None = None,
 ) -> PreparedArm:
-    """Place the tool, and take the convex hulls of some links' meshes instead of the capsules around them."""
+    """Place the tool, and take the convex hulls of some links' meshes instead of the capsules around them.
+
+    The tool's frame is `turned` by half a turn about the tool; `jerk` (rad/s³) is that of joints whose file
+    states none.
+    """
     tool = choose_tool(arm, {name: each.link for name, each in covered.items()}, turned=turned)
     links = {
         name: (with_hulls(each, arm.description.links[name], find) if name in hulls else each).link
         for name, each in covered.items()
     }
     tool = replace(tool, capsules=tuple(own for own in tool.capsules if own[0] not in hulls))
-    joints, notes = _joints(arm)
+    joints, notes = _joints(arm, jerk or JERK_RAD_S3)
     robot = replace(arm.description, links=_without_tool(arm, links, tool, hulls), joints=joints)
     return PreparedArm(
         with_mount(robot, arm.last_link, tool),
@@ -84,7 +95,7 @@ def _without_tool(arm: ChosenArm, links: Mapping[str, Link], tool: Tool, hulls: 
     return written
 
 
-def _joints(arm: ChosenArm) -> tuple[tuple[Joint, ...], list[str]]:
+def _joints(arm: ChosenArm, jerk: float) -> tuple[tuple[Joint, ...], list[str]]:
     moving = {joint.name for joint in arm.joints}
     joints, notes = [], []
     for joint in arm.description.joints:
@@ -98,6 +109,8 @@ def _joints(arm: ChosenArm) -> tuple[tuple[Joint, ...], list[str]]:
         if not (limit.effort or 0.0) > 0.0:
             notes.append(f"{joint.name}: the file states no effort; {EFFORT:g} N m counts in simulations")
             limit = replace(limit, effort=EFFORT)
+        if limit.jerk is None:
+            limit = replace(limit, jerk=jerk)
         if joint.mimic is not None:
             notes.append(f"{joint.name}: moves by itself here, though the file lets it follow {joint.mimic.joint}")
         joints.append(replace(joint, kind="prismatic" if joint.kind == "prismatic" else "revolute", limit=limit))

@@ -37,6 +37,7 @@ class ImportRequest:
     packages: Mapping[str, Path] = field(default_factory=dict)
     search: Sequence[Path] = ()
     positions: Mapping[str, float] = field(default_factory=dict)
+    jerk: float | None = None
 
     @property
     def out_urdf(self) -> Path:
@@ -84,10 +85,12 @@ def _design(arm: ChosenArm, request: ImportRequest) -> Design:
     covered = cover_links(arm, find)
 
     def prepared(hulls: Collection[str], turned: bool) -> PreparedArm:
-        return prepare(arm, covered, find, hulls, turned=turned)
+        return prepare(arm, covered, find, hulls, turned=turned, jerk=request.jerk)
 
     with tempfile.TemporaryDirectory(prefix="farhand-") as folder:
-        return design(prepared, partial(_load, Path(folder) / "arm.urdf"), request.points)
+        return design(
+            prepared, partial(_load, Path(folder) / "arm.urdf"), request.points, jerk_given=request.jerk is not None
+        )
 
 
 def _load(path: Path, prepared: PreparedArm) -> LoadedArm:

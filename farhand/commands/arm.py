@@ -38,6 +38,9 @@ def import_command(
     lock: Annotated[
         list[str] | None, typer.Option(help="JOINT=POSITION in rad or m, of a joint that is not the arm's; repeatable.")
     ] = None,
+    jerk: Annotated[
+        float | None, typer.Option(help="Jerk in rad/s³ as the maker states it, where the URDF states none.", min=1)
+    ] = None,
 ) -> None:
     """Make a configuration that runs of an arm's URDF: its limits, shapes, start posture, workspace and simulation.
 
@@ -55,6 +58,7 @@ def import_command(
         packages_given(package or ()),
         search_path(os.environ),
         dict(map(_position, lock or ())),
+        jerk,
     )
     for line in import_arm(request):
         say(line)

@@ -14,7 +14,7 @@ from remote_site.safety.stop_bound import longest_stops
 
 TO_SPARE_M, LEAST_MARGIN_M = 0.002, 0.002
 TABLE_BEHIND_M, TABLE_THICK_M = 0.35, 0.5
-ACCELERATION_RAD_S2 = 10.0  # of a joint whose file states none
+ACCELERATION_RAD_S2 = 7.0  # of a joint whose file states none: the least that makers of such arms publish
 MOST_ACCELERATION_RAD_S2 = 25.0  # that a configuration may give
 LONGEST_STOP_S = 0.55  # with some room to safety.longest_stop_ms
 ARMATURE_BY_EFFORT = 0.0025  # kg m² per N m: motor and gear felt at the joint, as of arms whose makers publish both
@@ -99,17 +99,17 @@ class Scene:
     views: tuple[View, ...]
 
 
-def scene(tool_m: Array, reach_m: float, scale: float) -> Scene:
+def scene(tool_m: Array, reach_m: float, scale: float, *, points_down: bool) -> Scene:
     """Around a tool that begins at `tool_m` (3,), whose arm reaches so far; the hand's motion counts `scale` times.
 
     The simulated operator lowers the tool by 0.16 m, moves it forward by 0.08 m, and closes the gripper: there the
-    block stands.
+    block stands. Fingers from above reach a little over its top, so that a hand that is too low presses nothing.
     """
     x, y, z = tool_m.tolist()
     reach = _round(reach_m)
     low = max(z - 0.16 * scale, 0.03)
-    height = max(_round(low + 0.01), 0.03)
-    ahead, middle = x + 0.08 * scale, (x, y, 0.55 * z)
+    height = max(round(low + (0.008 if points_down else 0.04), 3), 0.03)
+    ahead, middle = x + 0.08 * scale + (0.0 if points_down else 0.01), (x, y, 0.55 * z)
     back = 0.9 + 0.9 * reach
     return Scene(
         ((reach - TABLE_BEHIND_M) / 2, 0.0),

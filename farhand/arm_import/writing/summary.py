@@ -66,9 +66,13 @@ def _assumed(design: Design) -> list[str]:
     lines = ["assumed: the base stands on a table whose top is z = 0 of the base frame"]
     if unstated:
         lines.append(f"assumed: {max(design.joints.acceleration):g} rad/s² for {_all(unstated, len(joints))}")
-    without = [joint.name for joint in joints if joint.limit.jerk is None]
+    without = design.without_jerk
     if without:
-        lines.append(f"assumed: 100 rad/s³ for {_all(without, len(joints))}, since the file states no jerk")
+        given = "given" if design.jerk_given else "assumed"
+        cure = "" if design.jerk_given else "; as the maker states it: --jerk"
+        lines.append(
+            f"{given}: {design.jerk:g} rad/s³ for {_all(without, len(joints))}, since the file states no jerk{cure}"
+        )
     return lines
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from farhand.arm_import.choices.cell import ROBOTS_OWN, Scene
 from farhand.arm_import.choices.tool import GRIPPER_M
 from farhand.arm_import.design import Design, tool_capsules
-from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3, CapsuleConfig
+from remote_site.kinematics.config import CapsuleConfig
 from remote_site.safety.config import CollisionConfig, FixtureConfig
 
 
@@ -41,11 +41,9 @@ def _robot(design: Design, urdf: str) -> list[str]:
     )
     whole = design.speed >= 1.0
     speed = "of every joint's own maximum" if whole else "of every joint's own maximum, so that stops are short enough"
-    jerks = [joint.name for joint in design.prepared.joints if joint.limit.jerk is None]
-    jerk = (
-        f"# jerk: the file states none for {_names(jerks)}, so {UNSTATED_JERK_RAD_S3:g} rad/s³ counts; add "
-        'jerk="…" to <limit> in the URDF, as the maker states it'
-    )
+    jerks = design.without_jerk
+    whose = "as given to the import" if design.jerk_given else "ASSUMED: correct it there as the maker states it"
+    jerk = f"# jerk: {design.jerk:g} rad/s³ in {urdf} for {_names(jerks)}, whose file states none; {whose}"
     return [
         "[robot]",
         f"model = {_text(urdf)} # beside this file",
