@@ -11,6 +11,7 @@ from common.config import load_config
 from common.errors import ConfigError, ModelError
 from farhand.arm_import.choices.posture import Direction
 from farhand.arm_import.description.arm import ChosenArm, choose_arm
+from farhand.arm_import.description.elements import with_free_names
 from farhand.arm_import.description.packages import Packages
 from farhand.arm_import.description.reading import read_description
 from farhand.arm_import.design import Design, LoadedArm, design, tool_capsules, tool_T_tcp
@@ -23,6 +24,7 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.checks import find_mistakes
 from remote_site.safety.collision import CollisionModel
+from remote_site.simulation.config import NAMES
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +51,7 @@ def import_arm(request: ImportRequest) -> list[str]:
     """Write both files, and return what was done as lines; ModelError or ConfigError name what stands against it."""
     _check_outputs(request)
     source = str(request.urdf)
-    robot = read_description(_read(request.urdf), source)
+    robot = with_free_names(read_description(_read(request.urdf), source), NAMES)
     arm = choose_arm(robot, request.tool, request.base, request.positions)
     found = _design(arm, request)
     head = [f"The arm of {source}, imported by farhand arm import. What differs, and what was assumed:", ""]

@@ -13,10 +13,9 @@ from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.model import IMPORT
 from remote_site.simulation.appearance.dressing import dress
 from remote_site.simulation.appearance.surfaces import PaintedSurface
-from remote_site.simulation.config import ArmConfig, CellConfig
+from remote_site.simulation.config import GRIP, ArmConfig, CellConfig
 from remote_site.simulation.markers import add_marker
 from remote_site.simulation.scenery import (
-    GRIP,
     THINGS,
     TOUCHES_ROBOT,
     add_block,

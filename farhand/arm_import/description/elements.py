@@ -1,6 +1,7 @@
 """A URDF's links and joints as values, in the file's order; pure."""
 
-from dataclasses import dataclass, field
+from collections.abc import Collection
+from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
 from common.geometry import Array
@@ -141,3 +142,23 @@ class Description:
         for name in found:
             found += [joint.child for joint in self.below(name)]
         return found
+
+
+def with_free_names(robot: Description, taken: Collection[str]) -> Description:
+    """The same with other names for links and joints that have a name that is taken."""
+
+    def free(name: str) -> str:
+        return f"{name}_of_{robot.name}" if name in taken else name
+
+    links = {free(name): replace(link, name=free(name)) for name, link in robot.links.items()}
+    joints = tuple(
+        replace(
+            joint,
+            name=free(joint.name),
+            parent=free(joint.parent),
+            child=free(joint.child),
+            mimic=None if joint.mimic is None else replace(joint.mimic, joint=free(joint.mimic.joint)),
+        )
+        for joint in robot.joints
+    )
+    return replace(robot, root=free(robot.root), links=links, joints=joints)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -56,12 +57,8 @@ def _start_of(points: Array, axis: Array) -> Array:
 
 
 def _better(points: Array, start: Array) -> Array:
-    found = minimize(
-        lambda x: _capsule(points, x).volume,
-        start,
-        method="Nelder-Mead",
-        options={"maxfev": 500, "xatol": 1e-5, "fatol": 1e-9, "initial_simplex": _simplex(points, start)},
-    )
+    options: Any = {"maxfev": 500, "xatol": 1e-5, "fatol": 1e-9, "initial_simplex": _simplex(points, start)}
+    found = minimize(lambda x: _capsule(points, x).volume, start, method="Nelder-Mead", options=options)
     better: Array = found.x
     return better
 
