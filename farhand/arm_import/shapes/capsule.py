@@ -2,10 +2,9 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
+from scipy.optimize import fmin
 
 from common.geometry import Array
 
@@ -57,9 +56,18 @@ def _start_of(points: Array, axis: Array) -> Array:
 
 
 def _better(points: Array, start: Array) -> Array:
-    options: Any = {"maxfev": 500, "xatol": 1e-5, "fatol": 1e-9, "initial_simplex": _simplex(points, start)}
-    found = minimize(lambda x: _capsule(points, x).volume, start, method="Nelder-Mead", options=options)
-    better: Array = found.x
+    def volume(x: Array) -> float:
+        return _capsule(points, x).volume
+
+    better: Array = fmin(
+        volume,
+        start,
+        xtol=1e-5,
+        ftol=1e-9,
+        maxfun=500,
+        disp=False,
+        initial_simplex=_simplex(points, start),
+    )
     return better
 
 
