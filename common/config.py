@@ -27,6 +27,7 @@ TOML_CURES = {
     "Cannot declare": "; this table stands twice: join both, or write each table of a list in double brackets, [[...]]",
     "Invalid value": '; a word stands in quotes, as "word", a number with a point, as 0.5',
 }
+BESIDE = {"beside": True}  # Meta.extra of a path that is also looked for in the configuration's own folder
 KEY_LINE = re.compile(r"\s*([A-Za-z0-9_.\"-]+)\s*=")
 
 
@@ -41,9 +42,12 @@ class ConfigMistake:
 def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()) -> S:
     """Read a TOML file (None for the defaults), apply `key=value` settings over it, and check it all.
 
+    A relative path that is marked BESIDE is that of a file in the folder of `path`, where there is one of this name.
     Raises ConfigError with every mistake of the file and the settings, one per line: source, what is wrong, cure.
     """
     table = read_tables(path)
+    if path is not None:
+        _take_from_beside(struct, table, path.parent)
     set_paths = {apply_setting(table, setting) for setting in settings}
     mistakes: list[ConfigMistake] = []
     config = build(struct, table, (), mistakes)
@@ -61,6 +65,16 @@ def read_tables(path: Path | None) -> dict[str, Any]:
         return tomllib.loads(_read(path))
     except tomllib.TOMLDecodeError as error:
         raise ConfigError(_not_toml(path, str(error))) from error
+
+
+def _take_from_beside(struct: type[msgspec.Struct], table: dict[str, Any], folder: Path) -> None:
+    """Complete the marked paths of files that are in the folder."""
+    for row in msgspec.structs.fields(struct):
+        value, notes = table.get(row.encode_name), getattr(row.type, "__metadata__", ())
+        if isinstance(value, str) and any(note.extra == BESIDE for note in notes) and (folder / value).is_file():
+            table[row.encode_name] = str(folder / value)
+        elif isinstance(value, dict) and isinstance(row.type, type) and issubclass(row.type, msgspec.Struct):
+            _take_from_beside(row.type, value, folder)
 
 
 def _not_toml(path: Path, error: str) -> str:

@@ -11,6 +11,7 @@ import typer
 from common.errors import ConfigError, FarhandError, InterruptionError, NotInstalledError
 from common.process.log import finish_log
 from common.text import escaped
+from farhand.commands.arm import arm_app
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app, limits
 from farhand.commands.export import export_app
@@ -71,6 +72,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
 for name, command in COMMANDS.items():
     app.command(name)(command)
 for name, group in {
+    "arm": arm_app,
     "lease": lease_app,
     "maintenance": maintenance_app,
     "record": record_app,

@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta, field
 
+from common.config import BESIDE
 from common.geometry import Array, transform
 
 MODELS = Path(__file__).parents[1] / "models"
@@ -85,7 +86,15 @@ GRIPPER = (
 class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The arm, its tool, and limits that can only tighten the robot's own."""
 
-    model: Annotated[str, Meta(min_length=1, description="a built-in model by name, or the path of a URDF")] = "a465"
+    model: Annotated[
+        str,
+        Meta(
+            min_length=1,
+            description="a built-in model by name, or the path of a URDF: beside this file, or as seen from where the "
+            "site starts",
+            extra=BESIDE,
+        ),
+    ] = "a465"
     tool_frame: Annotated[str, Meta(min_length=1, description="URDF frame that carries the tool")] = "tool0"
     tool_offset_m: Annotated[
         float, Meta(ge=0, le=1, description="tool centre point beyond the tool frame along its z, m")

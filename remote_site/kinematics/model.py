@@ -13,6 +13,7 @@ from common.errors import ModelError
 from common.geometry import Array
 from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
 
+IMPORT = "farhand arm import {urdf} --out arm.toml"  # makes what Farhand reads of a URDF as its maker publishes it
 BOUNDED_JOINTS = ("JointModelR", "JointModelP")
 BOUNDED = ("revolute", "prismatic")  # URDF joint types that must have limits
 MOVING = (*BOUNDED, "continuous")
@@ -206,9 +207,11 @@ def _check_joints(path: Path, model: pin.Model) -> None:
     if not kinds:
         raise ModelError(f"{path} has no moving joint; give the URDF of an arm")
     if unfit:
-        raise ModelError(f"{path}: {', '.join(unfit)} must be revolute or prismatic with limits; change the joint type")
+        change = f"change the joint type, or let it be changed: {IMPORT.format(urdf=path)}"
+        raise ModelError(f"{path}: {', '.join(unfit)} must be revolute or prismatic with limits; {change}")
     if any(model.parents[i] != i - 1 for i in range(1, model.njoints)):
-        raise ModelError(f"{path} branches; fix the joints that are not the arm's (gripper fingers) in the URDF")
+        lock = f"lock the joints that are not the arm's (gripper fingers): {IMPORT.format(urdf=path)}"
+        raise ModelError(f"{path} branches; {lock}")
 
 
 def _is_bounded(kind: str) -> bool:

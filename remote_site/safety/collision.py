@@ -123,7 +123,12 @@ class CollisionModel:
 
     def nearest(self, q: Array) -> tuple[str, str]:
         """The names of the two bodies that are nearest to each other."""
-        return self._names(int(np.argmin(self.distances(q))))
+        return self.names(int(np.argmin(self.distances(q))))
+
+    def names(self, k: int) -> tuple[str, str]:
+        """The names of the two bodies of a pair, by its place among `distances`."""
+        pair, objects = self._shapes.collisionPairs[k], self._shapes.geometryObjects
+        return shape_name(self._pin_model, objects[pair.first]), shape_name(self._pin_model, objects[pair.second])
 
     def pairs_within(self, q: Array, distance: float) -> list[ClosePair]:
         """The pairs nearer than a distance in m at finite `q`, with the gradients of their distances."""
@@ -136,7 +141,7 @@ class CollisionModel:
         if not close:
             return []
         jacobian: Array = pin.computeJointJacobians(self._pin_model, self._data, q)
-        return [ClosePair(self._names(k), float(self._known[k]), self._gradient(k, jacobian)) for k in close]
+        return [ClosePair(self.names(k), float(self._known[k]), self._gradient(k, jacobian)) for k in close]
 
     def _bounds(self, q: Array) -> Array:
         """A lower bound of every pair's distance (m,) in m at `q`, by the last measurements and the levers."""
@@ -166,10 +171,6 @@ class CollisionModel:
             joints = self._shapes.geometryObjects[shape].parentJoint
             gradient[:joints] += side / length * (_wrench(point.tolist(), normal) @ jacobian[:, :joints])
         return gradient
-
-    def _names(self, k: int) -> tuple[str, str]:
-        pair, objects = self._shapes.collisionPairs[k], self._shapes.geometryObjects
-        return shape_name(self._pin_model, objects[pair.first]), shape_name(self._pin_model, objects[pair.second])
 
 
 def _wrench(point: list[float], force: list[float]) -> Array:

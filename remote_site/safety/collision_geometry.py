@@ -11,7 +11,7 @@ import pinocchio as pin
 from common.errors import ConfigError, ModelError
 from common.geometry import Array
 from remote_site.kinematics.config import CapsuleConfig
-from remote_site.kinematics.model import ArmModel
+from remote_site.kinematics.model import IMPORT, ArmModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig
 
 NEIGHBOURS = 1  # joints apart: links that touch by construction
@@ -27,7 +27,8 @@ def read_shapes(
     try:
         shapes = pin.buildGeomFromUrdf(model.pin_model, str(path), pin.GeometryType.COLLISION)
     except (ValueError, RuntimeError) as error:
-        raise ModelError(f"cannot read the collision elements of {path}: {error}") from error
+        cure = f"let Farhand find the meshes: {IMPORT.format(urdf=path)}"
+        raise ModelError(f"cannot read the collision elements of {path}: {error}; {cure}") from error
     for shape in shapes.geometryObjects:
         shape.geometry = _smooth(shape.geometry)
     for k, capsule in enumerate(capsules):

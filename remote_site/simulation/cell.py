@@ -10,12 +10,12 @@ import mujoco
 from common.errors import ModelError
 from common.geometry import Array
 from remote_site.kinematics.config import RobotConfig
+from remote_site.kinematics.model import IMPORT
 from remote_site.simulation.appearance.dressing import dress
 from remote_site.simulation.appearance.surfaces import PaintedSurface
-from remote_site.simulation.config import ArmConfig, CellConfig
+from remote_site.simulation.config import GRIP, ArmConfig, CellConfig
 from remote_site.simulation.markers import add_marker
 from remote_site.simulation.scenery import (
-    GRIP,
     THINGS,
     TOUCHES_ROBOT,
     add_block,
@@ -26,6 +26,8 @@ from remote_site.simulation.scenery import (
     add_target,
     add_view,
 )
+
+MESH_WORDS, INERTIA_WORD = ("decoder", "opening file", "mesh"), "inertia"
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +79,7 @@ def build_cell(config: CellConfig, robot: RobotConfig, *, dressed: bool = False)
     for number, marker in enumerate(config.printed_markers):
         add_marker(spec, number, marker)
     surfaces = dress(spec, config.scene) if dressed else ()
-    return _compile(spec, joints, robot.start, surfaces)
+    return _compile(spec, joints, robot, surfaces)
 
 
 def _link(spec: mujoco.MjSpec, robot: RobotConfig, name: str, cure: str) -> mujoco.MjsBody:
@@ -94,11 +96,18 @@ def _read_arm(urdf: Path) -> mujoco.MjSpec:
             if link.find("visual") is not None:  # then its collision elements are for clearance, not for contact
                 for hull in link.findall("collision"):
                     link.remove(hull)
+        for mesh in robot.iter("mesh"):
+            mesh.set("filename", _beside(urdf, mesh.get("filename", "")))
         extension = ElementTree.SubElement(robot, "mujoco")
-        ElementTree.SubElement(extension, "compiler", discardvisual="false", fusestatic="false")
+        ElementTree.SubElement(extension, "compiler", discardvisual="false", fusestatic="false", strippath="false")
         return mujoco.MjSpec.from_string(ElementTree.tostring(robot, encoding="unicode"))
     except (OSError, ElementTree.ParseError, ValueError) as error:
         raise ModelError(f"{urdf}: MuJoCo cannot read this robot: {error}") from error
+
+
+def _beside(urdf: Path, filename: str) -> str:
+    """A mesh's file as seen from where the URDF is; other addresses as they are."""
+    return filename if "://" in filename else str(urdf.parent / filename)
 
 
 def _dress_arm(spec: mujoco.MjSpec, arm: ArmConfig, joints: Sequence[str]) -> None:
@@ -116,13 +125,24 @@ def _dress_arm(spec: mujoco.MjSpec, arm: ArmConfig, joints: Sequence[str]) -> No
 
 
 def _compile(
-    spec: mujoco.MjSpec, joints: tuple[str, ...], start_q: Array, surfaces: tuple[PaintedSurface, ...]
+    spec: mujoco.MjSpec, joints: tuple[str, ...], robot: RobotConfig, surfaces: tuple[PaintedSurface, ...]
 ) -> Cell:
+    start_q = robot.start
     if len(start_q) != len(joints):
         raise ModelError(f"robot.start_deg has {len(start_q)} angles for {len(joints)} joints")
     try:
         model = spec.compile()
     except ValueError as error:
-        cure = "give every moving link of the URDF an <inertial>, or correct [simulation]"
-        raise ModelError(f"the cell does not compile: {error}; {cure}") from error
+        said = " ".join(str(error).split())
+        raise ModelError(f"the cell does not compile: {said}; {_cure(said, robot)}") from error
     return Cell(model, joints, slice(0, len(joints)), model.actuator(GRIP).id, start_q, surfaces)
+
+
+def _cure(said: str, robot: RobotConfig) -> str:
+    """Of what MuJoCo says of a cell, which may be the fault of the arm's file."""
+    imported = IMPORT.format(urdf=robot.urdf)
+    if any(word in said for word in MESH_WORDS):
+        return f"give <visual> meshes that are there, as STL or OBJ, or let Farhand choose those: {imported}"
+    if INERTIA_WORD in said:
+        return f"give every moving link of the URDF an <inertial>, or let Farhand estimate it: {imported}"
+    return "correct [simulation]"

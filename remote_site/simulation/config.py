@@ -10,6 +10,9 @@ from remote_site.assist.families import MarkerFamily
 from remote_site.assist.placement import transform_of
 
 SIMULATED = "simulated"
+BLOCK, GRIP, GRIPPER_BODY = "block", "grip", "gripper_body"
+FINGERS = "finger_left", "finger_right"
+NAMES = frozenset({BLOCK, GRIP, GRIPPER_BODY, *FINGERS})  # of bodies and joints, which no arm's may have
 
 Point = tuple[float, float, float]
 Positive = Annotated[float, Meta(gt=0)]

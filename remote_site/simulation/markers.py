@@ -4,8 +4,8 @@ import mujoco
 import numpy as np
 
 from common.geometry import Array, quaternion_from_rotation
-from remote_site.simulation.config import MarkerConfig
-from remote_site.simulation.scenery import BLOCK, PAPER
+from remote_site.simulation.config import BLOCK, MarkerConfig
+from remote_site.simulation.scenery import PAPER
 
 MODULE_PX = 24  # of the texture: the renderer averages it as a camera does
 LIT = 1.0  # emission that outshines every light: paper as white from everywhere

@@ -5,12 +5,19 @@ import math
 import mujoco
 
 from common.geometry import quaternion_from_rotation
-from remote_site.simulation.config import BlockConfig, GripperConfig, SceneConfig, ViewConfig
+from remote_site.simulation.config import (
+    BLOCK,
+    FINGERS,
+    GRIP,
+    GRIPPER_BODY,
+    BlockConfig,
+    GripperConfig,
+    SceneConfig,
+    ViewConfig,
+)
 from remote_site.simulation.views import parent_R_camera
 
 BOX = mujoco.mjtGeom.mjGEOM_BOX
-BLOCK = "block"
-GRIP = "grip"
 THINGS = 1
 TOUCHES_ROBOT = 2
 ROOM_GROUP = 3
@@ -41,16 +48,16 @@ def add_gripper(spec: mujoco.MjSpec, tool: mujoco.MjsBody, config: GripperConfig
 
     The opening (m) is the tendon `grip`; its drive holds a commanded opening with at most `force_limit_n`.
     """
-    body = tool.add_body(name="gripper_body")
+    body = tool.add_body(name=GRIPPER_BODY)
     _add_housing(body, config)
     tendon = spec.add_tendon(name=GRIP)
-    for side, name in ((1.0, "finger_left"), (-1.0, "finger_right")):
+    for side, name in zip((1.0, -1.0), FINGERS, strict=True):
         _add_finger(body, name, side, config)
         tendon.wrap_joint(name, 1.0)
     spec.add_equality(
         type=mujoco.mjtEq.mjEQ_JOINT,
-        name1="finger_left",
-        name2="finger_right",
+        name1=FINGERS[0],
+        name2=FINGERS[1],
         data=[0, 1, *[0] * 10],
         solref=[0.004, 1.0],
     )

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import msgspec
 import pytest
 
-from common.config import load_config
+from common.config import BESIDE, load_config
 from common.errors import ConfigError
 
 
@@ -184,3 +184,21 @@ def test_a_list_of_tables_is_read_and_its_length_is_checked(tmp_path: Path) -> N
     assert load_config(Rows, write(tmp_path, text)).rows == (Row(at=(1, 2)), Row(at=(3, 4), speed=2))
     with pytest.raises(ConfigError, match="length <= 2"):
         load_config(Rows, write(tmp_path, f"{text}[[row]]\nat = [5, 6]\n"))
+
+
+class Model(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    file: Annotated[str, msgspec.Meta(extra=BESIDE)] = "built-in"
+    name: str = ""
+
+
+class WithModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    model: Model = Model()
+
+
+def test_a_marked_path_is_that_of_a_file_beside_the_configuration_where_there_is_one(tmp_path):
+    path = write(tmp_path, '[model]\nfile = "arm.urdf"\nname = "arm.urdf"')
+    assert load_config(WithModel, path).model == Model(file="arm.urdf", name="arm.urdf")
+    (tmp_path / "arm.urdf").touch()
+    assert load_config(WithModel, path).model == Model(file=str(tmp_path / "arm.urdf"), name="arm.urdf")
+    assert load_config(WithModel, path, ["model.file=arm.urdf"]).model.file == "arm.urdf"
+    assert load_config(WithModel, None).model.file == "built-in"

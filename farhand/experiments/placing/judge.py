@@ -7,8 +7,8 @@ import numpy as np
 
 from common.geometry import Array
 from remote_site.config import RemoteConfig
+from remote_site.simulation.config import BLOCK
 from remote_site.simulation.process import SimulatedCell
-from remote_site.simulation.scenery import BLOCK
 
 LIFTED_M = 0.01
 STANDS_RAD = np.radians(2)

@@ -12,7 +12,7 @@ from farhand.experiments.stepped.site import Every, SteppedSite
 from farhand.visual_operator.shown import ShownPage, ShownView
 from farhand.visual_operator.sight.sight import Scene
 from remote_site.config import RemoteConfig
-from remote_site.simulation.scenery import BLOCK
+from remote_site.simulation.config import BLOCK
 
 
 class TrueSight:

@@ -20,6 +20,7 @@ from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import setup_of
 from remote_site.safety.config import CollisionConfig, SafetyConfig
 from remote_site.session.config import ACCEPTANCE, EngagementMode
+from remote_site.simulation.config import ArmConfig, CellConfig, ServoConfig
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.config import CameraConfig, VideoConfig
 from tests.remote_site.arms_followed import ARMS
@@ -148,7 +149,8 @@ def test_the_guides_configuration_is_without_mistakes(tmp_path, monkeypatch):
     monkeypatch.chdir(ROOT)
     guide = (ROOT / "docs" / "another-arm.md").read_text()
     path = tmp_path / "my-arm.toml"
-    path.write_text(textwrap.dedent(guide[guide.index("    [robot]\n") : guide.index("    farhand doctor")]))
+    begin = guide.index("    [robot]\n")
+    path.write_text(textwrap.dedent(guide[begin : guide.index("    farhand doctor", begin)]))
     config = load_config(RemoteConfig, path)
     assert config.safety.collision.fixtures[0].max_m == (1.0, 0.6, 0.0)
     check_robot(config)
@@ -237,3 +239,28 @@ def test_automatic_engagement_of_a_real_robot_needs_its_acceptance(settings, ref
 
 def test_engagement_is_on_request_by_default():
     assert RemoteConfig().engagement.mode is EngagementMode.ON_REQUEST
+
+
+@pytest.mark.parametrize(
+    ("kind", "mesh", "part", "words"),
+    [
+        ("collision", "package://maker/l1.stl", "collision", "could not be found"),
+        ("visual", "package://maker/l1.stl", "simulated cell", "opening file 'package:/+maker"),
+        ("visual", "l1.dae", "simulated cell", "no decoder"),
+    ],
+)
+def test_what_is_refused_of_a_makers_meshes_names_the_import(tmp_path, kind, mesh, part, words):
+    (tmp_path / "l1.dae").write_text("<COLLADA/>")
+    shape = f'<{kind}><geometry><mesh filename="{mesh}"/></geometry></{kind}>'
+    urdf = tmp_path / "published.urdf"
+    own = (ARMS / "seven_axes.urdf").read_text()
+    urdf.write_text(own.replace('<link name="l1"/>', f'<link name="l1">{shape}</link>'))
+    simulation = CellConfig(
+        arm=ArmConfig(armature_kg_m2=(0.1,) * 7, coulomb_n_m=(0.1,) * 7, viscous_n_m_s=(0.1,) * 7),
+        servo=ServoConfig(max_acceleration_rad_s2=(12.0,) * 7),
+    )
+    robot, safety = RobotConfig(**SEVEN | {"model": str(urdf)}), SafetyConfig(collision=CollisionConfig(fixtures=()))
+    found = find_mistakes(RemoteConfig(robot=robot, safety=safety, simulation=simulation))
+    mistakes = {mistake.part: mistake.sentence for mistake in found}
+    assert re.search(words, mistakes[part])
+    assert f"farhand arm import {urdf} --out arm.toml" in mistakes[part]

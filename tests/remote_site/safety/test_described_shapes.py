@@ -42,7 +42,7 @@ def test_the_described_capsules_are_as_near_to_the_table_as_the_guard_measures(b
     q = np.array([0.0, -0.9, -0.6 + bend, 0.0, -0.4, 0.0])
     robot, collision = CONFIG.robot, CONFIG.safety.collision
     guard = CollisionModel.from_urdf(robot.urdf, MODEL, robot.capsules, collision)
-    names = [set(guard._names(k)) for k in range(len(guard.distances(q)))]
+    names = [set(guard.names(k)) for k in range(len(guard.distances(q)))]
     measured = min(d for d, pair in zip(guard.distances(q), names, strict=True) if "table" in pair and "tool0" in pair)
     assert lowest_over_table(q) == pytest.approx(measured, abs=1e-4)
 

@@ -21,7 +21,7 @@ from remote_site.kinematics.limits import load_arm
 from remote_site.session.config import EngagementMode
 from remote_site.session.samples import NamedSample
 from remote_site.simulation.cell import build_cell
-from remote_site.simulation.scenery import BLOCK
+from remote_site.simulation.config import BLOCK
 from remote_site.video.calibration import calibration_of
 from remote_site.video.cell_cameras import CellCamera, open_cell_cameras
 from remote_site.video.marker_look import MarkerLook

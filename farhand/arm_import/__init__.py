@@ -1,0 +1,1 @@
+"""An arm's URDF as its maker publishes it, made into a configuration that runs."""

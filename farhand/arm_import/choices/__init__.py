@@ -1,0 +1,1 @@
+"""What an import chooses for an arm: start posture, workspace, limits, cell."""

@@ -1,0 +1,117 @@
+"""The arm as it is written: only its joints move, every shape is a simple one, every moving link has a mass."""
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+from farhand.arm_import.choices.tool import Tool, choose_tool, with_mount
+from farhand.arm_import.description.arm import ChosenArm, Locked, fixed_to
+from farhand.arm_import.description.elements import Description, Joint, Link, Mesh
+from farhand.arm_import.shapes.links import CoveredLink, FindFile, cover_link, with_hulls
+
+TURNS_RAD = math.tau  # to each side, of a joint that turns without end
+JERK_RAD_S3 = 500.0  # of a joint whose file states none: the least that makers of arms beside people publish
+EFFORT = 50.0  # N m, of a joint whose file states none
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PreparedArm:
+    """A robot that can be written, its arm and tool, and what differs from the file by kind."""
+
+    robot: Description
+    arm: ChosenArm
+    tool: Tool
+    notes: tuple[str, ...]
+    dropped: tuple[str, ...]  # visuals
+    estimated: tuple[str, ...]  # links: mass and inertia
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """The arm's, as they are written."""
+        moving = {joint.name for joint in self.arm.joints}
+        return tuple(joint for joint in self.robot.joints if joint.name in moving)
+
+    def has_meshes(self, link: str) -> bool:
+        """Whether a link of the file has collision meshes."""
+        return any(isinstance(shape.geometry, Mesh) for shape in self.arm.description.links[link].collisions)
+
+    @property
+    def locked(self) -> tuple[Locked, ...]:
+        """What does not move."""
+        return self.arm.locked
+
+
+def cover_links(arm: ChosenArm, find: FindFile) -> dict[str, CoveredLink]:
+    """Every link's meshes read and covered; ModelError where a collision mesh is missing."""
+    moved = {joint.child for joint in arm.joints}
+    return {name: cover_link(link, find, moves=name in moved) for name, link in arm.description.links.items()}
+
+
+def prepare(
+    arm: ChosenArm,
+    covered: Mapping[str, CoveredLink],
+    find: FindFile,
+    hulls: Collection[str],
+    *,
+    turned: bool = False,
+    jerk: float | None = None,
+) -> PreparedArm:
+    """Place the tool, and take the convex hulls of some links' meshes instead of the capsules around them.
+
+    The tool's frame is `turned` by half a turn about the tool; `jerk` (rad/s³) is that of joints whose file
+    states none.
+    """
+    tool = choose_tool(arm, {name: each.link for name, each in covered.items()}, turned=turned)
+    links = {
+        name: (with_hulls(each, arm.description.links[name], find) if name in hulls else each).link
+        for name, each in covered.items()
+    }
+    tool = replace(tool, capsules=tuple(own for own in tool.capsules if own[0] not in hulls))
+    joints, notes = _joints(arm, jerk or JERK_RAD_S3)
+    robot = replace(arm.description, links=_without_tool(arm, links, tool, hulls), joints=joints)
+    return PreparedArm(
+        with_mount(robot, arm.last_link, tool),
+        arm,
+        tool,
+        (*notes, *(note for each in covered.values() for note in each.notes), *tool.notes),
+        tuple(dict.fromkeys(drop for each in covered.values() for drop in each.dropped)),
+        tuple(name for name, each in covered.items() if each.estimated),
+    )
+
+
+def _without_tool(arm: ChosenArm, links: Mapping[str, Link], tool: Tool, hulls: Collection[str]) -> dict[str, Link]:
+    """Without the capsules of the tool, which the configuration has, and without the look of its fingers.
+
+    The simulated gripper has fingers of its own.
+    """
+    written = dict(links)
+    locked = {lock.joint for lock in arm.locked}
+    for name in fixed_to(arm.description, arm.last_link):
+        if name == arm.last_link:
+            continue
+        finger = tool.own and any(joint.name in locked for joint in arm.description.way_to(name))
+        collisions = links[name].collisions if name in hulls else ()
+        written[name] = replace(links[name], collisions=collisions, visuals=() if finger else links[name].visuals)
+    return written
+
+
+def _joints(arm: ChosenArm, jerk: float) -> tuple[tuple[Joint, ...], list[str]]:
+    moving = {joint.name for joint in arm.joints}
+    joints, notes = [], []
+    for joint in arm.description.joints:
+        if joint.name not in moving:
+            joints.append(joint)
+            continue
+        limit = joint.limit
+        if joint.kind == "continuous":
+            notes.append(f"{joint.name}: turns without end; it got limits of a turn to each side")
+            limit = replace(limit, lower=-TURNS_RAD, upper=TURNS_RAD)
+        if not (limit.effort or 0.0) > 0.0:
+            notes.append(f"{joint.name}: the file states no effort; {EFFORT:g} N m counts in simulations")
+            limit = replace(limit, effort=EFFORT)
+        if limit.jerk is None:
+            limit = replace(limit, jerk=jerk)
+        if joint.mimic is not None:
+            notes.append(f"{joint.name}: moves by itself here, though the file lets it follow {joint.mimic.joint}")
+        joints.append(replace(joint, kind="prismatic" if joint.kind == "prismatic" else "revolute", limit=limit))
+    return tuple(joints), notes

@@ -1,0 +1,1 @@
+"""The shapes of links: meshes read, covered by capsules, weighed."""

@@ -1,0 +1,121 @@
+"""Every link with what can be shown of it and the shapes that keep their distance, meshes read from their files."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from common.errors import ModelError
+from common.geometry import Array
+from farhand.arm_import.description.elements import Inertial, Link, Mesh, Shape
+from farhand.arm_import.shapes.capsules_of import capsule_of, shape_of
+from farhand.arm_import.shapes.covering import covering
+from farhand.arm_import.shapes.inertia import estimated, mended, usable
+from farhand.arm_import.shapes.meshes import read_triangles, shown
+
+FindFile = Callable[[str], Path]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CoveredLink:
+    """A link whose shapes are no meshes, and whose visuals are files that MuJoCo shows; `notes` say what differs."""
+
+    link: Link
+    notes: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()  # visuals
+    estimated: bool = False  # mass and inertia
+
+
+@dataclass(slots=True)
+class _Notes:
+    said: list[str] = field(default_factory=list)
+    dropped: list[str] = field(default_factory=list)
+
+
+def cover_link(link: Link, find: FindFile, *, moves: bool) -> CoveredLink:
+    """The link as it is written; ModelError where a collision mesh is missing or cannot be read.
+
+    A link that `moves` gets a mass and an inertia where its file states none that a body can have.
+    """
+    notes = _Notes()
+    visuals = _visuals(link, find, notes)
+    shapes = _covered(link.collisions, find, link.name)
+    if not shapes and link.visuals:
+        shapes = _of_visuals(link, find, notes)
+    inertial, is_estimated = link.inertial, False
+    if moves and not usable(inertial):
+        inertial, is_estimated = _inertial(link, shapes, notes)
+    covered = Link(link.name, tuple(visuals), tuple(shapes), inertial)
+    return CoveredLink(covered, tuple(notes.said), tuple(notes.dropped), is_estimated)
+
+
+def with_hulls(covered: CoveredLink, link: Link, find: FindFile) -> CoveredLink:
+    """The same with its collision meshes, which count as their convex hulls, instead of capsules around them."""
+    own = [_found(shape, shape.geometry, find) for shape in link.collisions if isinstance(shape.geometry, Mesh)]
+    simple = [shape for shape in link.collisions if not isinstance(shape.geometry, Mesh)]
+    return replace(covered, link=replace(covered.link, collisions=(*simple, *own)))
+
+
+def _found(shape: Shape, mesh: Mesh, find: FindFile) -> Shape:
+    return Shape(shape.link_T_shape, Mesh(str(find(mesh.filename)), mesh.scale))
+
+
+def _inertial(link: Link, shapes: Sequence[Shape], notes: _Notes) -> tuple[Inertial, bool]:
+    if link.inertial is not None and (better := mended(link.inertial)) is not None:
+        notes.said.append(f"{link.name}: no body has the file's inertia; its mean about every axis counts instead")
+        return better, False
+    return estimated([capsule_of(shape) for shape in shapes]), True
+
+
+def _visuals(link: Link, find: FindFile, notes: _Notes) -> list[Shape]:
+    """What MuJoCo can show; instead of visuals that it cannot, the link's collision meshes."""
+    kept = [shape for one in link.visuals if (shape := _shown(one, find, notes)) is not None]
+    if kept or not link.visuals:
+        return kept
+    instead = _Notes()
+    return [shape for one in link.collisions if (shape := _shown(one, find, instead)) is not None]
+
+
+def _shown(shape: Shape, find: FindFile, notes: _Notes) -> Shape | None:
+    mesh = shape.geometry
+    if not isinstance(mesh, Mesh):
+        return shape
+    try:
+        path = find(mesh.filename)
+    except ModelError as error:
+        notes.dropped.append(f"{mesh.filename}: {error}")
+        return None
+    if (unreadable := shown(path)) is not None:
+        notes.dropped.append(f"{mesh.filename}: {unreadable.why}")
+        return None
+    return Shape(shape.link_T_shape, Mesh(str(path), mesh.scale), shape.colour)
+
+
+def _covered(shapes: Iterable[Shape], find: FindFile, link: str) -> list[Shape]:
+    """The shapes that are no meshes as they are, and capsules around the meshes together."""
+    shapes = list(shapes)
+    simple = [Shape(s.link_T_shape, s.geometry) for s in shapes if not isinstance(s.geometry, Mesh)]
+    try:
+        surfaces = [_surface(s, s.geometry, find) for s in shapes if isinstance(s.geometry, Mesh)]
+    except ModelError as error:
+        raise ModelError(f"link {link}: {error}") from error
+    return simple + [shape_of(capsule) for capsule in (covering(np.concatenate(surfaces)) if surfaces else [])]
+
+
+def _surface(shape: Shape, mesh: Mesh, find: FindFile) -> Array:
+    """The triangles of a mesh in the link's frame."""
+    pose = shape.link_T_shape
+    triangles: Array = read_triangles(find(mesh.filename), mesh.scale) @ pose[:3, :3].T + pose[:3, 3]
+    return triangles
+
+
+def _of_visuals(link: Link, find: FindFile, notes: _Notes) -> list[Shape]:
+    """Shapes around the visuals of a link without collision elements; none, which is said, where none can be read."""
+    try:
+        shapes = _covered(link.visuals, find, link.name)
+    except ModelError as error:
+        notes.said.append(f"{link.name}: keeps no distance, since it has no collision element, and {error}")
+        return []
+    notes.said.append(f"{link.name}: has no collision element; its visuals were covered instead")
+    return shapes

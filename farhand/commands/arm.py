@@ -1,0 +1,72 @@
+"""The commands under `farhand arm`: another arm's files."""
+
+import os
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from common.errors import ConfigError
+from farhand.terminal import say
+
+arm_app = typer.Typer(help="Bring in another arm.", no_args_is_help=True)
+
+
+@arm_app.callback()
+def arm() -> None:
+    """Bring in another arm."""
+
+
+@arm_app.command("import")
+def import_command(
+    urdf: Annotated[Path, typer.Argument(help="The arm's URDF, as its maker publishes it.")],
+    out: Annotated[
+        Path | None, typer.Option(help="The configuration to write; the arm's URDF is written beside it.")
+    ] = None,
+    tool: Annotated[
+        str | None, typer.Option(help="Frame of the tool centre point, or of a bare flange; else guessed by its name.")
+    ] = None,
+    base: Annotated[str | None, typer.Option(help="Link by which the arm is fixed in the cell; else the root.")] = None,
+    points: Annotated[
+        Literal["down", "forward"] | None,
+        typer.Option(help="Where the tool points at the start; else where it has more room."),
+    ] = None,
+    package: Annotated[
+        list[str] | None,
+        typer.Option(help="NAME=FOLDER: where package://NAME/ is, if not in ROS_PACKAGE_PATH; repeatable."),
+    ] = None,
+    lock: Annotated[
+        list[str] | None, typer.Option(help="JOINT=POSITION in rad or m, of a joint that is not the arm's; repeatable.")
+    ] = None,
+    jerk: Annotated[
+        float | None, typer.Option(help="Jerk in rad/s³ as the maker states it, where the URDF states none.", min=1)
+    ] = None,
+) -> None:
+    """Make a configuration that runs of an arm's URDF: its limits, shapes, start posture, workspace and simulation.
+
+    Example: farhand arm import panda.urdf --tool panda_hand_tcp --out panda.toml
+    """
+    from farhand.arm_import.description.packages import packages_given, search_path
+    from farhand.arm_import.run import ImportRequest, import_arm
+
+    request = ImportRequest(
+        urdf,
+        out or Path(f"{urdf.stem}.toml"),
+        tool,
+        base,
+        points,
+        packages_given(package or ()),
+        search_path(os.environ),
+        dict(map(_position, lock or ())),
+        jerk,
+    )
+    for line in import_arm(request):
+        say(line)
+
+
+def _position(option: str) -> tuple[str, float]:
+    joint, _, position = option.partition("=")
+    try:
+        return joint, float(position)
+    except ValueError as error:
+        raise ConfigError(f"--lock {option}: write it as JOINT=POSITION, a number in rad or m") from error
