@@ -14,12 +14,16 @@ from common.messages.requests import EngagementAction, Reply
 from farhand.authority.asking import link_to
 from local_site.authority.config import host_operator
 
+RESET_FIRST = ("stopped", "fault")
+TO_RESET = " (farhand maintenance reset, or Reset on the page)"
+
 
 def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
     """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
     reply = _ask_as_operator(cell, endpoint, operator, EngagementAction.ENGAGE, security)
     if not reply.done:
-        raise TransportError(f"not engaged ({reply.code}): {reply.reason}")
+        cure = TO_RESET if reply.code in RESET_FIRST else ""
+        raise TransportError(f"not engaged ({reply.code}): {reply.reason}{cure}")
     return f"engaged: {reply.reason}"
 
 
@@ -52,7 +56,7 @@ def request_stop(cell: str, endpoint: str, operator: str = "", security: LinkSec
     if not reply.done:
         raise TransportError(unacknowledged(f"{reply.reason} ({reply.code})"))
     took_ms, at = (time.monotonic_ns() - began_ns) / NS_PER_MS, datetime.now(UTC)
-    return f"STOP acknowledged at {at:%H:%M:%S} UTC, after {took_ms:.0f} ms: {reply.reason}"
+    return f"STOP acknowledged at {at:%H:%M:%S} UTC, after {took_ms:.0f} ms: {reply.reason}{TO_RESET}"
 
 
 def unacknowledged(why: str) -> str:

@@ -4,11 +4,13 @@ import keyword
 import re
 import sys
 import tokenize
+from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
 from common.errors import ConfigError
 from farhand.outputs import make_folder, write_result
+from remote_site.drivers.registry import GROUP
 
 TEMPLATE = Path(__file__).parent / "template"
 OLD_NAME, OLD_CLASS = "new_arm", "NewArm"
@@ -56,6 +58,10 @@ def _check(name: str) -> None:
         raise ConfigError(
             f"NAME {name!r}: give up to {MOST_LETTERS} small letters, digits and single underscores, a letter first, "
             "such as my_arm"
+        )
+    for point in entry_points(group=GROUP, name=name):
+        raise ConfigError(
+            f"NAME {name}: a driver of this name is installed already ({point.value}); choose another NAME"
         )
     if keyword.iskeyword(name) or {name, class_name(name)} & _identifiers():
         raise ConfigError(f"NAME {name}: the word is used by Python or by the package itself; choose another NAME")

@@ -13,6 +13,11 @@ from common.messages.robot import Pose, Readiness, SessionState
 from tests.browser.told import Told
 
 ENGAGED, HOLDING = SessionState.ENGAGED, SessionState.HOLDING
+BELOW = """() => {
+  const box = (id) => document.getElementById(id).getBoundingClientRect();
+  const [words, acts, alert] = ["step-words", "acts", "alert"].map(box);
+  return [Math.max(words.bottom, acts.bottom), alert.top];
+}"""
 FOLLOWS, LOST = "the arm follows the hand", "the hand is lost"
 SHARE = """() => {
   const views = [...document.querySelectorAll("#cameras .view")].map((view) => view.getBoundingClientRect());
@@ -78,6 +83,45 @@ def test_where_a_key_has_to_be_held_it_is_the_next_thing_once_all_is_ready(told:
     told.until("what is missing", lambda: "no hand sample has arrived" in told.page.words("#step-words"))
     assert ranked(told, "next") == ["hold"]
     assert told.page.page.get_attribute("#hold", "data-waits") == "true"
+
+
+def test_a_key_that_is_down_though_the_arm_does_not_follow_is_to_be_let_go_first(told: Told) -> None:
+    told.state = partial(
+        scene.state, SessionState.DISENGAGED, "let_go", "let go", readiness=Readiness(True, "ready", "ready", False)
+    )
+    told.until("the key", lambda: ranked(told, "next") == ["hold"])
+    assert "Let go" not in told.page.words("#step-words")
+    told.page.page.keyboard.down("Space")
+    told.until("what to do", lambda: told.page.words("#step-words").startswith("Let go first"))
+    told.page.page.keyboard.up("Space")
+    told.until("the key again", lambda: told.page.words("#step-words").startswith("Hold"))
+
+
+def test_the_lease_is_not_offered_while_the_local_site_that_takes_it_is_silent(told: Told) -> None:
+    told.state = partial(scene.state, SessionState.DISENGAGED, "not_engaged", "not engaged yet", lease=None)
+    told.until("the lease", lambda: ranked(told, "next") == ["lease-button"])
+    told.is_hand_told = False
+    told.until("what to start", lambda: "farhand local" in told.page.words("#step-words"))
+    assert ranked(told, "next") == []
+
+
+def test_a_page_without_a_live_picture_says_so_beside_what_comes_next(told: Told) -> None:
+    told.until("pictures", lambda: "No live picture" not in told.page.words("#step-words"))
+    told.cameras = ()
+    told.until("the warning", lambda: told.page.words("#step-words").startswith("No live picture of the cell."))
+    told.reset()
+    told.until("pictures again", lambda: "No live picture" not in told.page.words("#step-words"))
+
+
+def test_a_refusal_hides_neither_the_next_step_nor_its_button_and_goes_by_itself(told: Told) -> None:
+    told.sites.silent = True
+    told.page.page.keyboard.press("c")
+    told.page.page.keyboard.press("d")
+    told.until("the refusal", lambda: "nobody answers" in told.page.words("#alert"))
+    bottom, top = told.page.page.evaluate(BELOW)
+    assert bottom <= top
+    told.sites.silent = False
+    told.until("its end", lambda: not told.page.page.is_visible("#alert"))
 
 
 def test_a_tool_far_from_its_target_is_behind_and_locks_are_named(told: Told) -> None:

@@ -44,12 +44,14 @@ class Told:
         self.age_ms = 20.0
         self.picture: Callable[[str, int], VideoFrame | None] = self._plain
         self.cameras, self.previews = scene.CAMERAS, tuple[str, ...]()
+        self.is_hand_told = True
 
     def tell(self) -> None:
         """Everything once."""
         self._seq += 1
         self.give(Hub.state, self.state())
-        self.give(Hub.hand, self.hand())
+        if self.is_hand_told:
+            self.give(Hub.hand, self.hand())
         for camera in self.cameras:
             if (frame := self.picture(camera, self._seq)) is not None:
                 self.give(Hub.camera, frame)

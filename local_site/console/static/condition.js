@@ -5,7 +5,7 @@ import { limitOf } from "./limits.js";
 import { troubles } from "./link_line.js";
 
 const LIVE = {
-  lost: "the console does not answer: the held key has no effect, and the arm may be moving",
+  lost: "the console does not answer, and nothing that you press reaches the arm: if it moves, use the emergency stop; start farhand console again",
   none: "no state has come from the remote site yet",
   noneWord: "no robot",
   silent: (age) => `the remote site has been silent for ${age}`,

@@ -3,6 +3,7 @@ import { mark, put } from "./words.js";
 
 const KEYS = { e: "engage", d: "disengage", r: "reset", c: "clutch" };
 const MOVED_MS = 500; // after its last change
+const READ_AGAIN_MS = 8000; // a refusal is read by then, and what it said may no longer be so
 const element = (id) => document.getElementById(id);
 
 export class Controls {
@@ -20,6 +21,7 @@ export class Controls {
   #isBack = false;
   #steeredMs = -Infinity;
   #leaseAct = null;
+  #forgotten = null;
   #buttons = Object.fromEntries(Object.values(KEYS).map((name) => [name, element(name)]));
   #locks = [...document.querySelectorAll("[data-lock]")];
 
@@ -51,7 +53,10 @@ export class Controls {
   onReply({ what, done, reason }) {
     if (what === "stop") return;
     if (done) this.#alert.clear("controls");
-    else this.#complain(`${what}: ${reason}`);
+    else {
+      this.#complain(`${what}: ${reason}`);
+      this.#forgotten = setTimeout(() => this.#alert.clear("controls"), READ_AGAIN_MS);
+    }
   }
 
   /** Whether this page operates. */
@@ -98,6 +103,7 @@ export class Controls {
   }
 
   #complain(words) {
+    clearTimeout(this.#forgotten);
     this.#refusedIn = null;
     this.#alert.show("controls", "bad", words);
   }

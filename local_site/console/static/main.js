@@ -114,7 +114,7 @@ connection.onChange = (open) => {
 function operate(situation, condition) {
   stop.show(situation);
   controls.show(situation);
-  steps.show(condition, situation, controls.facts);
+  steps.show(condition, situation, { ...controls.facts, down: hold.down, blind: views.isBlind });
   assist.show(situation.robot, controls.operates);
   recording.show(situation.robot, situation.own_recording, controls.operates);
   views.showWhyNoPreview(situation.hand);

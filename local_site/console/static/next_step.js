@@ -2,12 +2,16 @@
 // A button that has to wait keeps its place: one that comes and goes would be missed, or another be hit.
 const nothing = (words) => ({ next: null, minor: [], words });
 
-/** Which button is next, whether it has to wait, which are minor, and what to do in words; `act` is what can be done about the lease. */
-export function stepOf(condition, situation, { operates, mayOperate, held, act }) {
+/**
+ * Which button is next, whether it has to wait, which are minor, and what to do in words. `act` is what can be done about the lease,
+ * `down` whether the key is held here, `blind` whether no view shows the cell.
+ */
+export function stepOf(condition, situation, { operates, mayOperate, ...facts }) {
   const { robot, seat } = situation;
   if (robot === null || robot.silent) return nothing("Nothing can be done here until the remote site answers. If the arm moves, use the emergency stop.");
   if (!operates) return watching(seat, mayOperate);
-  const step = { ...operating(condition, robot, { held, act }) };
+  const step = { ...operating(condition, situation, facts) };
+  if (facts.blind) step.words = `No live picture of the cell. ${step.words}`;
   step.minor = [...step.minor, "seat-button"].filter((name) => name !== step.next);
   return step;
 }
@@ -18,12 +22,14 @@ function watching(seat, mayOperate) {
   return { next: "seat-button", minor: [], words: "Nobody operates: take the controls." };
 }
 
-function operating(condition, robot, { held, act }) {
+function operating(condition, { robot, hand, seat }, { held, act, down }) {
   if (condition.name === "fault" || condition.name === "stopped") return { next: "reset", minor: [], words: "When the cause is gone, reset." };
   if (condition.name === "other") return { next: "lease-button", minor: [], words: "Ask whoever operates to hand over." };
+  if (act?.action === "take" && (hand === null || hand.silent)) return nothing("The local site is silent: start it (farhand local).");
   if (act?.action === "take") return { next: "lease-button", minor: [], words: "No operator has the robot: take it." };
+  if (seat.late) return { next: held ? "hold" : null, minor: ["disengage"], words: "This page's reports come late: close other programs here, then let go and begin again." };
   const handOver = act === null ? [] : ["lease-button"];
-  if (robot.state === "disengaged") return disengaged(robot, held, handOver);
+  if (robot.state === "disengaged") return disengaged(robot, held, handOver, down);
   const running = { minor: ["disengage", "clutch", ...handOver] };
   if (robot.state === "holding") return { ...running, next: held ? "hold" : null, words: "The arm waits. Show your hand calmly; it goes on by itself." };
   return { ...running, next: held ? "hold" : null, words: followingWords(condition, held) };
@@ -43,9 +49,9 @@ function limitWords(word) {
   return `At a limit (${word}): ${back}.`;
 }
 
-function disengaged({ readiness, code }, held, minor) {
+function disengaged({ readiness, code }, held, minor, down) {
   if (!readiness.ready) return { next: held ? "hold" : "engage", waits: true, minor, words: `Not ready: ${readiness.reason}` };
   if (!held) return { next: "engage", minor, words: "Engage to let the arm follow your hand." };
-  const first = code === "let_go_first" ? "Let go first. " : "";
+  const first = down || code === "let_go_first" ? "Let go first. " : "";
   return { next: "hold", minor, words: `${first}Hold to let the arm follow your hand.` };
 }

@@ -75,8 +75,7 @@ export class View {
   /** Draw the tool over a picture that is not useless, late as it may be; `path` is where the tool was measured. */
   markTools(tools, path) {
     if (this.#tools === null) return;
-    const isUseful = this.element.dataset.useless === "false" && SHOWING.includes(this.#header?.status);
-    if (tools !== null && isUseful) this.#tools.draw(tools, path.at(this.#newest.captureMs));
+    if (tools !== null && this.isUseful) this.#tools.draw(tools, path.at(this.#newest.captureMs));
     else this.#tools.clear();
   }
 
@@ -143,12 +142,18 @@ export class View {
     if (nowMs - this.#agedMs >= READ_MS || mark !== this.element.dataset.mark) {
       this.#agedMs = nowMs;
       put(this.#title, title);
-      put(this.#fresh, ageMs === null ? title : `${mark === "live" ? title : mark} ${ageWords(ageMs)} ${this.#fps()} fps`);
+      const word = mark === "live" || (isOld && !isLate) ? title : mark;
+      put(this.#fresh, ageMs === null ? title : `${word} ${ageWords(ageMs)} ${this.#fps()} fps`);
     }
     setMark(this.element, "data-mark", mark);
     setMark(this.element, "data-useless", ageMs === null || ageMs > USELESS_MS);
     this.#isFresh = !isOld && (mark === "live" || mark === "slow");
     put(this.#words, this.#isMissed ? NO_H264 : why || this.why);
+  }
+
+  /** Whether it shows the cell, be it a little late. */
+  get isUseful() {
+    return this.element.dataset.useless === "false" && SHOWING.includes(this.#header?.status);
   }
 
   /** What was painted last, for the console; null before the first, or while its age is not known. */

@@ -123,6 +123,11 @@ export class Views {
     for (const view of this.#views.values()) view.refresh();
   }
 
+  /** Whether no view shows the cell. */
+  get isBlind() {
+    return [...this.#views].every(([name, view]) => !name.startsWith("camera/") || !view.isUseful);
+  }
+
   /** Whether this browser decodes H.264; false until it is known. */
   get decodesH264() {
     return this.#h264.supported;

@@ -101,6 +101,11 @@ def test_a_module_that_is_there_is_not_hidden(name: str, tmp_path: Path) -> None
         write_package(name, tmp_path)
 
 
+def test_a_driver_that_is_installed_keeps_its_name(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="installed already"):
+        write_package("kinematic", tmp_path)
+
+
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(ConfigError, match="--out"):
