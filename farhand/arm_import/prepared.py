@@ -61,7 +61,7 @@ def prepare(
     The tool's frame is `turned` by half a turn about the tool; `jerk` (rad/s³) is that of joints whose file
     states none.
     """
-    tool = choose_tool(arm, {name: each.link for name, each in covered.items()}, turned=turned)
+    tool = choose_tool(arm, covered, turned=turned)
     links = {
         name: (with_hulls(each, arm.description.links[name], find) if name in hulls else each).link
         for name, each in covered.items()
