@@ -14,7 +14,7 @@ from remote_site.safety.stop_bound import longest_stops
 
 TO_SPARE_M, LEAST_MARGIN_M = 0.002, 0.002
 TABLE_BEHIND_M, TABLE_THICK_M = 0.35, 0.5
-ACCELERATION_RAD_S2 = 7.0  # of a joint whose file states none: the least that makers of such arms publish
+ACCELERATION_RAD_S2 = 7.0  # of a joint whose file states none: less than the 7.5 of a Panda's slowest joint
 MOST_ACCELERATION_RAD_S2 = 25.0  # that a configuration may give
 LONGEST_STOP_S = 0.55  # with some room to safety.longest_stop_ms
 ARMATURE_BY_EFFORT = 0.0025  # kg m² per N m: motor and gear felt at the joint, as of arms whose makers publish both

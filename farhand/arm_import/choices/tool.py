@@ -1,16 +1,18 @@
 """The frame that carries the tool, its z along the tool, and the tool centre point beyond it; pure."""
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from common.geometry import Array, transform
-from farhand.arm_import.description.arm import ChosenArm, fixed_to
+from farhand.arm_import.description.arm import TOOL_NAMES, ChosenArm, fixed_to
 from farhand.arm_import.description.elements import Description, Joint, Link
 from farhand.arm_import.shapes.capsule import Capsule
-from farhand.arm_import.shapes.capsules_of import capsule_of, capsules_of
+from farhand.arm_import.shapes.capsules_of import capsules_of
+from farhand.arm_import.shapes.links import CoveredLink
 
 FRAME = "farhand_tool"
 GRIPPER_M = 0.1341  # from the frame that carries the simulated gripper to between the tips of its fingers
@@ -35,26 +37,27 @@ class Tool:
     notes: tuple[str, ...]
 
 
-def choose_tool(arm: ChosenArm, links: Mapping[str, Link], *, turned: bool = False) -> Tool:
-    """The tool of an arm whose links have capsules, its frame `turned` by half a turn about the tool's axis."""
+def choose_tool(arm: ChosenArm, covered: Mapping[str, CoveredLink], *, turned: bool = False) -> Tool:
+    """The tool of an arm, its frame `turned` by half a turn about the tool's axis."""
     robot, last = arm.description, arm.last_link
     notes: list[str] = []
     last_T_frame = pose_from(robot, last, arm.tool)
-    aligned = _aligned(arm, links, last_T_frame, notes)
-    carried = [
-        (name, capsule)
-        for name in fixed_to(robot, last)
-        if name != last
-        for capsule in capsules_of(links[name].collisions)
-    ]
-    ends = [_end(capsule, last_T_frame @ aligned, pose_from(robot, last, name)) for name, capsule in carried]
-    own = _is_tool(carried)
-    shift = max(ends, default=0.0) - TIP_M if own else _face(arm, links, last_T_frame @ aligned)
-    shift = shift if shift > (BEYOND_M if own else SHIFTED_M) else 0.0
+    mount = last_T_frame @ _aligned(arm, covered[last].points, last_T_frame, notes)
+    fixed = [name for name in fixed_to(robot, last) if name != last]
+    carried = [(name, capsule) for name in fixed for capsule in capsules_of(covered[name].link.collisions)]
+    own = _is_tool([covered[name].points for name in fixed])
+    shift = (
+        max((_end(covered[name].points, mount, pose_from(robot, last, name)) for name in fixed), default=0.0) - TIP_M
+    )
+    if not own:
+        shift = _end(covered[last].points, mount, np.eye(4)) if arm.tool == last else 0.0
+    elif re.search(TOOL_NAMES[0], arm.tool, re.IGNORECASE):
+        shift = 0.0  # it is named as the tool centre point
+    shift = shift if shift > SHIFTED_M else 0.0
     if shift:
         what, where = ("the tool centre point", "the tool's") if own else ("the flange", "the last link's")
         notes.append(f"{arm.tool}: {what} is taken {1e3 * shift:.0f} mm beyond it, at {where} end")
-    mount = last_T_frame @ aligned @ transform(np.eye(3), np.array([0.0, 0.0, shift - (GRIPPER_M if own else 0.0)]))
+    mount = mount @ transform(np.eye(3), np.array([0.0, 0.0, shift - (GRIPPER_M if own else 0.0)]))
     if turned:
         mount = mount @ np.diag([-1.0, -1.0, 1.0, 1.0])
         notes.append(
@@ -83,29 +86,20 @@ def pose_from(robot: Description, link: str, frame: str) -> Array:
     return pose
 
 
-def _is_tool(carried: list[tuple[str, Capsule]]) -> bool:
+def _is_tool(points: Sequence[Array]) -> bool:
     """Whether something that the file fixes to the last link is larger than a mark at the flange."""
-    sizes = [float(np.linalg.norm(capsule.end - capsule.start)) + 2 * capsule.radius for _, capsule in carried]
-    return max(sizes, default=0.0) > BEYOND_M
+    return any(len(each) > 0 and float(np.ptp(each, axis=0).max()) > BEYOND_M for each in points)
 
 
-def _end(capsule: Capsule, last_T_frame: Array, last_T_link: Array) -> float:
-    """How far a capsule reaches beyond a frame along its z, m."""
-    ends = np.array([capsule.start, capsule.end]) @ last_T_link[:3, :3].T + last_T_link[:3, 3]
-    return float(((ends - last_T_frame[:3, 3]) @ last_T_frame[:3, 2]).max()) + capsule.radius
+def _end(points: Array, last_T_frame: Array, last_T_link: Array) -> float:
+    """How far points of a link (m x 3) reach beyond a frame along its z, m; -inf without any."""
+    placed = points @ last_T_link[:3, :3].T + last_T_link[:3, 3]
+    return float(((placed - last_T_frame[:3, 3]) @ last_T_frame[:3, 2]).max(initial=-math.inf))
 
 
-def _face(arm: ChosenArm, links: Mapping[str, Link], last_T_frame: Array) -> float:
-    """How far the last link reaches beyond the frame where the frame is the link's own, m."""
-    if arm.tool != arm.last_link:
-        return 0.0
-    shapes = links[arm.last_link].collisions
-    return max((_end(capsule_of(shape), last_T_frame, np.eye(4)) for shape in shapes), default=0.0)
-
-
-def _aligned(arm: ChosenArm, links: Mapping[str, Link], last_T_frame: Array, notes: list[str]) -> Array:
+def _aligned(arm: ChosenArm, last_points: Array, last_T_frame: Array, notes: list[str]) -> Array:
     """The turn (4 x 4) after which the frame's z points out of the arm, by the axis that points there."""
-    outward = _outward(arm, links, last_T_frame)
+    outward = _outward(arm, last_points, last_T_frame)
     along = outward @ last_T_frame[:3, :3]
     k = int(np.argmax(np.abs(along)))
     if abs(along[k]) < ALIGNED:
@@ -120,11 +114,10 @@ def _aligned(arm: ChosenArm, links: Mapping[str, Link], last_T_frame: Array, not
     return transform(np.column_stack([np.cross(y, z), y, z]), np.zeros(3))
 
 
-def _outward(arm: ChosenArm, links: Mapping[str, Link], last_T_frame: Array) -> Array:
+def _outward(arm: ChosenArm, last_points: Array, last_T_frame: Array) -> Array:
     """The last joint's axis (3,) in the last link's frame, to the side on which the arm's end is."""
     joint = arm.joints[-1]
-    shapes = [capsule_of(shape) for shape in links[arm.last_link].collisions]
-    middle = np.mean([(c.start + c.end) / 2 for c in shapes], axis=0) if shapes else np.zeros(3)
+    middle = last_points.mean(axis=0) if len(last_points) else np.zeros(3)
     before = joint.parent_T_joint[:3, :3].T @ joint.parent_T_joint[:3, 3]
     for away in (last_T_frame[:3, 3], before, middle):
         if abs(float(away @ joint.axis)) > SHIFTED_M:

@@ -13,7 +13,8 @@ from farhand.arm_import.description.elements import Description, Joint
 
 MOVING = ("revolute", "continuous", "prismatic")
 FREE = ("floating", "planar", "spherical")
-FINGER = re.compile(r"finger|jaw|gripper|knuckle|thumb|claw|grip", re.IGNORECASE)
+FINGER = re.compile(r"finger|jaw|knuckle|thumb|claw", re.IGNORECASE)
+GRIPPER = re.compile(r"grip", re.IGNORECASE)  # of a joint that opens one; its link may be the hand that a wrist turns
 LONG = 3  # moving joints of a branch that is an arm and no finger
 TOOL_NAMES = (r"tcp|tool_?cent|grasp", r"tool0$", r"tool|end_?eff|(^|_)ee($|_)|eef", r"flange|hand$")
 
@@ -117,7 +118,8 @@ def _check_way(way: list[Joint]) -> None:
 
 
 def _is_finger(joint: Joint) -> bool:
-    return joint.mimic is not None or bool(FINGER.search(joint.name) or FINGER.search(joint.child))
+    named = FINGER.search(joint.name) or FINGER.search(joint.child) or GRIPPER.search(joint.name)
+    return joint.mimic is not None or named is not None
 
 
 def _next_moving(robot: Description, link: str) -> list[Joint]:

@@ -39,6 +39,16 @@ def capsule_of(shape: Shape) -> Capsule:
     return Capsule(pose[:3, 3] - half, pose[:3, 3] + half, _radius(geometry))
 
 
+def outermost(shape: Shape) -> Array:
+    """Points (m x 3) in the link's frame between which a geometry lies that is no mesh."""
+    geometry, pose = shape.geometry, shape.link_T_shape
+    if isinstance(geometry, Box):
+        return _corners(geometry, pose)
+    radius = _radius(geometry)
+    half = _half_length(geometry) or radius
+    return _corners(Box((2 * radius, 2 * radius, 2 * half)), pose)
+
+
 def _corners(box: Box, pose: Array) -> Array:
     corners = np.array(list(itertools.product(*((-edge / 2, edge / 2) for edge in box.size_m))))
     placed: Array = corners @ pose[:3, :3].T + pose[:3, 3]

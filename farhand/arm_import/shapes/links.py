@@ -9,19 +9,24 @@ import numpy as np
 from common.errors import ModelError
 from common.geometry import Array
 from farhand.arm_import.description.elements import Inertial, Link, Mesh, Shape
-from farhand.arm_import.shapes.capsules_of import capsule_of, shape_of
+from farhand.arm_import.shapes.capsules_of import capsule_of, outermost, shape_of
 from farhand.arm_import.shapes.covering import covering
 from farhand.arm_import.shapes.inertia import estimated, mended, usable
 from farhand.arm_import.shapes.meshes import read_triangles, shown
 
 FindFile = Callable[[str], Path]
+NOWHERE: Array = np.zeros((0, 3))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoveredLink:
-    """A link whose shapes are no meshes, and whose visuals are files that MuJoCo shows; `notes` say what differs."""
+    """A link whose shapes are no meshes, and whose visuals are files that MuJoCo shows; `notes` say what differs.
+
+    `points` (m x 3) in m, in its frame, are those of the file's own shapes, which capsules reach beyond.
+    """
 
     link: Link
+    points: Array
     notes: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()  # visuals
     estimated: bool = False  # mass and inertia
@@ -40,14 +45,14 @@ def cover_link(link: Link, find: FindFile, *, moves: bool) -> CoveredLink:
     """
     notes = _Notes()
     visuals = _visuals(link, find, notes)
-    shapes = _covered(link.collisions, find, link.name)
+    shapes, points = _covered(link.collisions, find, link.name)
     if not shapes and link.visuals:
-        shapes = _of_visuals(link, find, notes)
+        shapes, points = _of_visuals(link, find, notes)
     inertial, is_estimated = link.inertial, False
     if moves and not usable(inertial):
         inertial, is_estimated = _inertial(link, shapes, notes)
     covered = Link(link.name, tuple(visuals), tuple(shapes), inertial)
-    return CoveredLink(covered, tuple(notes.said), tuple(notes.dropped), is_estimated)
+    return CoveredLink(covered, points, tuple(notes.said), tuple(notes.dropped), is_estimated)
 
 
 def with_hulls(covered: CoveredLink, link: Link, find: FindFile) -> CoveredLink:
@@ -92,15 +97,17 @@ def _shown(shape: Shape, find: FindFile, notes: _Notes) -> Shape | None:
     return Shape(shape.link_T_shape, Mesh(str(path), mesh.scale), shape.colour)
 
 
-def _covered(shapes: Iterable[Shape], find: FindFile, link: str) -> list[Shape]:
-    """The shapes that are no meshes as they are, and capsules around the meshes together."""
+def _covered(shapes: Iterable[Shape], find: FindFile, link: str) -> tuple[list[Shape], Array]:
+    """The shapes that are no meshes as they are, and capsules around the meshes together; the points of all."""
     shapes = list(shapes)
     simple = [Shape(s.link_T_shape, s.geometry) for s in shapes if not isinstance(s.geometry, Mesh)]
     try:
         surfaces = [_surface(s, s.geometry, find) for s in shapes if isinstance(s.geometry, Mesh)]
     except ModelError as error:
         raise ModelError(f"link {link}: {error}") from error
-    return simple + [shape_of(capsule) for capsule in (covering(np.concatenate(surfaces)) if surfaces else [])]
+    capsules = covering(np.concatenate(surfaces)) if surfaces else []
+    points = [NOWHERE, *(surface.reshape(-1, 3) for surface in surfaces), *map(outermost, simple)]
+    return simple + [shape_of(capsule) for capsule in capsules], np.concatenate(points)
 
 
 def _surface(shape: Shape, mesh: Mesh, find: FindFile) -> Array:
@@ -110,12 +117,12 @@ def _surface(shape: Shape, mesh: Mesh, find: FindFile) -> Array:
     return triangles
 
 
-def _of_visuals(link: Link, find: FindFile, notes: _Notes) -> list[Shape]:
+def _of_visuals(link: Link, find: FindFile, notes: _Notes) -> tuple[list[Shape], Array]:
     """Shapes around the visuals of a link without collision elements; none, which is said, where none can be read."""
     try:
-        shapes = _covered(link.visuals, find, link.name)
+        covered = _covered(link.visuals, find, link.name)
     except ModelError as error:
         notes.said.append(f"{link.name}: keeps no distance, since it has no collision element, and {error}")
-        return []
+        return [], NOWHERE
     notes.said.append(f"{link.name}: has no collision element; its visuals were covered instead")
-    return shapes
+    return covered
