@@ -6,7 +6,7 @@ export PYTHONDONTWRITEBYTECODE :=  # every process would compile all modules aga
 
 READERS := build/dataset-readers
 
-.PHONY: loopback learned franka dataset-readers test long faults check bench fuzz results
+.PHONY: loopback learned franka arms dataset-readers test long faults check bench fuzz results
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
@@ -19,6 +19,9 @@ learned: $(READY)  ## runtime and models of the tracker for ordinary rooms, whic
 
 franka: $(READY)  ## the client of the FR3 and a simulator that speaks its protocol, which the other commands do without
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[franka-sim]'
+
+arms: $(READY)  ## files of several makers' arms, as they publish them, for the tests of the import
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[arms]'
 
 dataset-readers: $(READERS)/ready  ## programs of others that read exported datasets, in an environment of their own, for the tests
 

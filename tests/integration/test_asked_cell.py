@@ -39,7 +39,9 @@ def test_a_running_cell_is_shown_disengaged_and_stopped_from_a_terminal(pair: Pa
 
     stopped = farhand("stop", "--operator", "somebody", sites=sites)
     assert (stopped.returncode, stopped.stderr) == (0, "")
-    assert stopped.stdout.endswith("ms: stopped by somebody; reset it, then engage\n")
+    assert stopped.stdout.endswith(
+        "ms: stopped by somebody; reset it, then engage (farhand maintenance reset, or Reset on the page)\n"
+    )
     sites.wait("the state to say so", lambda: sites.state.code == STOPPED)
     reset = farhand("maintenance", "reset", sites=sites)
     assert reset.returncode == 0, reset.stderr

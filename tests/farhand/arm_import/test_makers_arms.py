@@ -21,7 +21,7 @@ ARMS = {
 
 
 @pytest.mark.long
-@pytest.mark.skipif(not ROBOTS.is_dir(), reason="pip install example-robot-data brings the makers' files")
+@pytest.mark.skipif(not ROBOTS.is_dir(), reason="the makers' files are not here; make arms")
 @pytest.mark.parametrize("name", ARMS)
 def test_an_arm_follows_the_hand_as_it_was_imported(name, tmp_path):
     file, tool = ARMS[name]

@@ -61,7 +61,7 @@ def test_an_arm_that_did_not_follow_is_a_failure_still(run):
 
 
 def test_an_interruption_has_an_exit_code_of_its_own(monkeypatch, capsys):
-    def interrupted():
+    def interrupted(**_):
         raise InterruptionError("interrupted")
 
     monkeypatch.setattr(farhand.cli, "app", interrupted)
