@@ -43,8 +43,9 @@ class ImportRequest:
 
     @property
     def out_urdf(self) -> Path:
-        """The arm's file, beside the configuration."""
-        return self.out.with_suffix(".urdf")
+        """The arm's file, beside the configuration; where that is the maker's own file, one of another name."""
+        beside = self.out.with_suffix(".urdf")
+        return beside if beside.resolve() != self.urdf.resolve() else self.out.with_name(f"{self.out.stem}-arm.urdf")
 
 
 def import_arm(request: ImportRequest) -> list[str]:

@@ -6,12 +6,14 @@ from collections.abc import Mapping
 import msgspec
 
 from common.clock import Clock, MonotonicClock
+from common.errors import ConfigError
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.service import StopFlag
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import FRANKA
 from remote_site.drivers.registry import Option
 
+FRANKA_JOINTS, C500C_JOINTS = 7, 6
 SIMULATED_FOLLOW_MS = 200.0  # its joints go to their setpoints like a spring on a damper, in 0.05 s
 
 
@@ -22,7 +24,14 @@ def start_robot(config: RemoteConfig, children: Children) -> tuple[RemoteConfig,
     """
     if not config.driver.emulate:
         return config, MonotonicClock()
-    start = _start_franka if config.driver.name == FRANKA else _start_c500c
+    is_franka = config.driver.name == FRANKA
+    joints = FRANKA_JOINTS if is_franka else C500C_JOINTS
+    if len(config.robot.start_deg) != joints:
+        raise ConfigError(
+            f"robot.model {config.robot.model!r} has {len(config.robot.start_deg)} joints, and the robot that is "
+            f"emulated for {config.driver.name} has {joints}: give the configuration of that robot"
+        )
+    start = _start_franka if is_franka else _start_c500c
     options, clock = start(config, children)
     driver = msgspec.structs.replace(config.driver, options=options)
     return msgspec.structs.replace(config, driver=driver), clock

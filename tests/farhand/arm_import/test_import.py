@@ -1,5 +1,7 @@
 """A maker's URDF becomes a configuration that the remote site starts with, from any folder."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -108,3 +110,9 @@ def test_an_arm_that_cannot_turn_its_tool_names_what_it_lacks(tmp_path):
     short.write_text(text)
     with pytest.raises(ModelError, match="six joints or more"):
         import_arm(ImportRequest(short, tmp_path / "arm.toml", points="down"))
+
+
+@pytest.mark.parametrize(("urdf", "written"), [("panda.urdf", "panda-arm.urdf"), ("maker/panda.urdf", "panda.urdf")])
+def test_the_makers_own_file_is_never_written_over(urdf, written, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert ImportRequest(Path(urdf), Path("panda.toml")).out_urdf == Path(written)
