@@ -19,15 +19,13 @@ from bench.processes import cpu_s, family
 from common.errors import ProcessError
 
 CHROMIUM = "/usr/bin/chromium"
-FLAGS = (
-    "--headless",
+QUIET = (
     "--no-sandbox",
     "--disable-gpu",
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
-    "--remote-debugging-port=0",
 )
 SIZE = {"width": 1280, "height": 720}
 BLANK = "about:blank"
@@ -79,7 +77,14 @@ class Chromium:
             raise ProcessError("no chromium to open the page in; on Debian: apt-get install chromium")
         self._profile = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         self._log = Path(self._profile.name) / "chromium.log"
-        command = [CHROMIUM, *FLAGS, f"--user-data-dir={self._profile.name}", BLANK]
+        command = [
+            CHROMIUM,
+            "--headless",
+            *QUIET,
+            "--remote-debugging-port=0",
+            f"--user-data-dir={self._profile.name}",
+            BLANK,
+        ]
         with self._log.open("wb") as log:
             self._process = subprocess.Popen(command, stdout=log, stderr=log)  # noqa: S603 - our own words
         self._host = self._debugging_host()

@@ -18,7 +18,7 @@ from playwright.sync_api import sync_playwright
 from bench.page import scene
 from bench.page.bare_console import BareConsole
 from bench.page.bare_page import rendered
-from bench.page.chromium import CHROMIUM
+from bench.page.chromium import CHROMIUM, QUIET
 from common.clock import NS_PER_S
 from common.messages.robot import LeaseState, Readiness, RobotState, SessionState
 from local_site.console.hub import Hub
@@ -97,7 +97,7 @@ def take(folder: Path) -> list[Path]:
     """Take all pictures; the files written."""
     folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as running:
-        browser = running.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox", "--disable-gpu"])
+        browser = running.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
         files = [path for name, state in STATES.items() for path in _of_state(browser, folder, name, state)]
         browser.close()
     return files

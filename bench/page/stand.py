@@ -15,13 +15,13 @@ CELL = "bench"
 PATIENCE_S = 120.0
 
 
-def wait(what: str, is_so: Callable[[], bool], pause: Callable[[], object] = lambda: time.sleep(0.05)) -> None:
+def wait(what: str, is_so: Callable[[], bool]) -> None:
     """Wait until a condition holds; ProcessError when it does not within PATIENCE_S."""
     deadline = time.monotonic() + PATIENCE_S
     while not is_so():
         if time.monotonic() > deadline:
             raise ProcessError(f"timed out waiting for {what}")
-        pause()
+        time.sleep(0.05)
 
 
 class PageStand:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array, transform
-from farhand.arm_import.choices.cell import JointNumbers, Scene, fitting_speed, joint_numbers, margins, scene, table
+from farhand.arm_import.choices.cell import CellScene, JointNumbers, fitting_speed, joint_numbers, margins, scene, table
 from farhand.arm_import.choices.posture import Direction, Start, choose_start
 from farhand.arm_import.choices.reaching import Reaching, reach_of, touching
 from farhand.arm_import.choices.tool import GRIPPER_M
@@ -46,7 +46,7 @@ class Design:
     margins: tuple[float, float]
     start: Start
     tool_m: Array
-    scene: Scene
+    scene: CellScene
     jerk_given: bool
 
     @property

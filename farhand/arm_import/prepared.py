@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from farhand.arm_import.choices.tool import Tool, choose_tool, with_mount
 from farhand.arm_import.description.arm import ChosenArm, Locked, fixed_to
-from farhand.arm_import.description.elements import Description, Joint, Link, Mesh
+from farhand.arm_import.description.elements import Joint, UrdfLink, UrdfMesh, UrdfRobot
 from farhand.arm_import.shapes.links import CoveredLink, FindFile, cover_link, with_hulls
 
 TURNS_RAD = math.tau  # to each side, of a joint that turns without end
@@ -18,7 +18,7 @@ EFFORT = 50.0  # N m, of a joint whose file states none
 class PreparedArm:
     """A robot that can be written, its arm and tool, and what differs from the file by kind."""
 
-    robot: Description
+    robot: UrdfRobot
     arm: ChosenArm
     tool: Tool
     notes: tuple[str, ...]
@@ -33,7 +33,7 @@ class PreparedArm:
 
     def has_meshes(self, link: str) -> bool:
         """Whether a link of the file has collision meshes."""
-        return any(isinstance(shape.geometry, Mesh) for shape in self.arm.description.links[link].collisions)
+        return any(isinstance(shape.geometry, UrdfMesh) for shape in self.arm.description.links[link].collisions)
 
     @property
     def locked(self) -> tuple[Locked, ...]:
@@ -79,7 +79,9 @@ def prepare(
     )
 
 
-def _without_tool(arm: ChosenArm, links: Mapping[str, Link], tool: Tool, hulls: Collection[str]) -> dict[str, Link]:
+def _without_tool(
+    arm: ChosenArm, links: Mapping[str, UrdfLink], tool: Tool, hulls: Collection[str]
+) -> dict[str, UrdfLink]:
     """Without the capsules of the tool, which the configuration has, and without the look of its fingers.
 
     The simulated gripper has fingers of its own.

@@ -10,10 +10,11 @@ from common.errors import ConfigError
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.service import StopFlag
 from remote_site.config import RemoteConfig
+from remote_site.drivers.c500c import protocol as c500c_protocol
 from remote_site.drivers.config import FRANKA
+from remote_site.drivers.franka import robot_limits
 from remote_site.drivers.registry import Option
 
-FRANKA_JOINTS, C500C_JOINTS = 7, 6
 SIMULATED_FOLLOW_MS = 200.0  # its joints go to their setpoints like a spring on a damper, in 0.05 s
 
 
@@ -25,7 +26,7 @@ def start_robot(config: RemoteConfig, children: Children) -> tuple[RemoteConfig,
     if not config.driver.emulate:
         return config, MonotonicClock()
     is_franka = config.driver.name == FRANKA
-    joints = FRANKA_JOINTS if is_franka else C500C_JOINTS
+    joints = robot_limits.JOINTS if is_franka else c500c_protocol.JOINTS
     if len(config.robot.start_deg) != joints:
         raise ConfigError(
             f"robot.model {config.robot.model!r} has {len(config.robot.start_deg)} joints, and the robot that is "

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import pytest
 
+from bench.page.chromium import CHROMIUM, QUIET
 from farhand.loopback.site_process import SiteProcess, free_ports
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told, opened_told
@@ -18,15 +19,6 @@ from tests.integration.sites import (
 
 __all__ = ["pytest_runtest_makereport"]
 
-CHROMIUM = "/usr/bin/chromium"
-QUIET = (
-    "--no-sandbox",
-    "--disable-gpu",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-)
 H264 = ("video.codec=h264",)  # JPEG is what the pages of told sites show
 HELD = ("engagement.mode=hold_to_run", "engagement.frames=5")
 

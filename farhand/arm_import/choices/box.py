@@ -61,7 +61,7 @@ class Grid:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Box:
+class ReachedBox:
     """Its lower and upper corner (3,) in m; `near_m` is the least distance, in the hand's room, of the bodies that
     already are near each other at the start, inf where none are."""
 
@@ -75,7 +75,7 @@ class Box:
         return float(np.prod(self.high - self.low))
 
 
-def choose_box(reaching: Reaching, start_q: Array, reach_m: float, scale: float) -> Box | None:
+def choose_box(reaching: Reaching, start_q: Array, reach_m: float, scale: float) -> ReachedBox | None:
     """The largest box in which every place of a grid is reached from the start, the hand's room included.
 
     None where it is not all of this room, `scale` times as large.
@@ -91,7 +91,7 @@ def choose_box(reaching: Reaching, start_q: Array, reach_m: float, scale: float)
     near_m = flood.least_distance()
     flood.fill((0, 0, 0), _cell(tuple(n - 1 for n in grid.size)))
     low, high = largest_box(flood.reached, grid)
-    return Box(grid.at(low), grid.at(high), near_m)
+    return ReachedBox(grid.at(low), grid.at(high), near_m)
 
 
 class _Flood:

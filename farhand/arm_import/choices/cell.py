@@ -77,7 +77,7 @@ def fitting_speed(limits: JointLimits) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class CellView:
     """A simulated camera, and where it looks, in the base's frame or the tool's."""
 
     name: str
@@ -88,7 +88,7 @@ class View:
 
 
 @dataclass(frozen=True, slots=True)
-class Scene:
+class CellScene:
     """What the simulated views show: table, block before the tool, target, and cameras around them."""
 
     table_centre_m: tuple[float, float]
@@ -96,10 +96,10 @@ class Scene:
     block_size_m: tuple[float, float, float]
     block_centre_m: tuple[float, float]
     target_corner_m: tuple[float, float]
-    views: tuple[View, ...]
+    views: tuple[CellView, ...]
 
 
-def scene(tool_m: Array, reach_m: float, scale: float, *, points_down: bool) -> Scene:
+def scene(tool_m: Array, reach_m: float, scale: float, *, points_down: bool) -> CellScene:
     """Around a tool that begins at `tool_m` (3,), whose arm reaches so far; the hand's motion counts `scale` times.
 
     The simulated operator lowers the tool by 0.16 m, moves it forward by 0.08 m, and closes the gripper: there the
@@ -111,7 +111,7 @@ def scene(tool_m: Array, reach_m: float, scale: float, *, points_down: bool) -> 
     height = max(round(low + (0.008 if points_down else 0.04), 3), 0.03)
     ahead, middle = x + 0.08 * scale + (0.0 if points_down else 0.01), (x, y, 0.55 * z)
     back = 0.9 + 0.9 * reach
-    return Scene(
+    return CellScene(
         ((reach - TABLE_BEHIND_M) / 2, 0.0),
         (_round(reach + TABLE_BEHIND_M), 2 * reach),
         (0.05, 0.05, height),
@@ -121,14 +121,14 @@ def scene(tool_m: Array, reach_m: float, scale: float, *, points_down: bool) -> 
             _view("front_high", (x + back, 0.55 * reach, z + 0.75), middle, 34),
             _view("front_low", (x + back, -0.45 * reach, z + 0.05), middle, 32),
             _view("side", (x - 0.05, y - back - 0.3, z + 0.25), middle, 34),
-            View("gripper", "tool", (-0.15, 0.0, 0.06), (0.0, 0.0, 0.165), 58),
+            CellView("gripper", "tool", (-0.15, 0.0, 0.06), (0.0, 0.0, 0.165), 58),
         ),
     )
 
 
-def _view(name: str, position: tuple[float, float, float], looks_at: tuple[float, float, float], fovy: int) -> View:
+def _view(name: str, position: tuple[float, float, float], looks_at: tuple[float, float, float], fovy: int) -> CellView:
     (a, b, c), (d, e, f) = map(_round, position), map(_round, looks_at)
-    return View(name, "base", (a, b, c), (d, e, f), fovy)
+    return CellView(name, "base", (a, b, c), (d, e, f), fovy)
 
 
 def _round(metres: float) -> float:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from common.errors import ModelError
 from common.geometry import Array, transform
-from farhand.arm_import.choices.box import Box, choose_box
-from farhand.arm_import.choices.reaching import WORST_CONDITION, Quality, Reaching
+from farhand.arm_import.choices.box import ReachedBox, choose_box
+from farhand.arm_import.choices.reaching import WORST_CONDITION, PostureQuality, Reaching
 
 Direction = Literal["down", "forward"]
 DIRECTIONS: tuple[Direction, ...] = ("down", "forward")
@@ -49,8 +49,8 @@ class Start:
     points: Direction
     turned: bool
     scale: float
-    box: Box
-    quality: Quality
+    box: ReachedBox
+    quality: PostureQuality
 
 
 def choose_start(reaching: Reaching, reach_m: float, points: Direction | None = None) -> Start:

@@ -27,7 +27,7 @@ PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53)
 
 
 @dataclass(frozen=True, slots=True)
-class Quality:
+class PostureQuality:
     """How good a posture is: the Jacobian's condition number, the least distance in m, the room to a limit in rad."""
 
     condition: float
@@ -58,10 +58,10 @@ class Reaching:
                 return move.q
         return None
 
-    def quality(self, q: Array) -> Quality:
+    def quality(self, q: Array) -> PostureQuality:
         """Of a posture (n,) in rad."""
         room = np.minimum(q - self.limits.lower, self.limits.upper - q)
-        return Quality(self._dexterity.condition(q), self.collision.distance(q), float(room.min()))
+        return PostureQuality(self._dexterity.condition(q), self.collision.distance(q), float(room.min()))
 
     @property
     def middle(self) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 
 from common.geometry import Array, transform
 from farhand.arm_import.description.arm import TOOL_NAMES, ChosenArm, fixed_to
-from farhand.arm_import.description.elements import Description, Joint, Link
+from farhand.arm_import.description.elements import Joint, UrdfLink, UrdfRobot
 from farhand.arm_import.shapes.capsule import Capsule
 from farhand.arm_import.shapes.capsules_of import capsules_of
 from farhand.arm_import.shapes.links import CoveredLink
@@ -67,15 +67,15 @@ def choose_tool(arm: ChosenArm, covered: Mapping[str, CoveredLink], *, turned: b
     return Tool(arm.tool if same else FRAME, mount, own, tuple(carried) if own else (), tuple(notes))
 
 
-def with_mount(robot: Description, last_link: str, tool: Tool) -> Description:
+def with_mount(robot: UrdfRobot, last_link: str, tool: Tool) -> UrdfRobot:
     """The robot with the frame that carries the tool."""
     if tool.frame != FRAME:
         return robot
     joint = Joint(f"{FRAME}_joint", "fixed", last_link, FRAME, tool.last_T_mount, np.eye(3)[2])
-    return Description(robot.name, robot.root, robot.links | {FRAME: Link(FRAME)}, (*robot.joints, joint))
+    return UrdfRobot(robot.name, robot.root, robot.links | {FRAME: UrdfLink(FRAME)}, (*robot.joints, joint))
 
 
-def pose_from(robot: Description, link: str, frame: str) -> Array:
+def pose_from(robot: UrdfRobot, link: str, frame: str) -> Array:
     """The pose (4 x 4) of a frame in the frame of a link that carries it, all joints between them at zero."""
     pose: Array = np.eye(4)
     while frame != link:

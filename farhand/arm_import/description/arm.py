@@ -9,7 +9,7 @@ import numpy as np
 
 from common.errors import ConfigError, ModelError
 from common.geometry import Array, rotation_from_vector, transform
-from farhand.arm_import.description.elements import Description, Joint
+from farhand.arm_import.description.elements import Joint, UrdfRobot
 
 MOVING = ("revolute", "continuous", "prismatic")
 FREE = ("floating", "planar", "spherical")
@@ -35,7 +35,7 @@ class ChosenArm:
     `last_link` is the last joint's; `tool` the frame of the tool, `guessed` where nobody named it.
     """
 
-    description: Description
+    description: UrdfRobot
     joints: tuple[Joint, ...]
     tool: str
     guessed: bool
@@ -48,7 +48,7 @@ class ChosenArm:
 
 
 def choose_arm(
-    whole: Description, tool: str | None, base: str | None = None, positions: Mapping[str, float] | None = None
+    whole: UrdfRobot, tool: str | None, base: str | None = None, positions: Mapping[str, float] | None = None
 ) -> ChosenArm:
     """The arm that carries `tool`, or the only one that there is, on the link `base`, the root without one.
 
@@ -68,7 +68,7 @@ def choose_arm(
     return ChosenArm(fixed, tuple(j for j in way if j.name in arm), chosen, tool is None, tuple(locked))
 
 
-def _rooted(whole: Description, base: str | None) -> Description:
+def _rooted(whole: UrdfRobot, base: str | None) -> UrdfRobot:
     """What hangs from `base`."""
     if base is None:
         return whole
@@ -78,7 +78,7 @@ def _rooted(whole: Description, base: str | None) -> Description:
     return replace(whole, root=base, links=links, joints=tuple(j for j in whole.joints if j.parent in kept))
 
 
-def _check_frame(robot: Description, name: str, option: str) -> None:
+def _check_frame(robot: UrdfRobot, name: str, option: str) -> None:
     if name not in robot.links:
         near = difflib.get_close_matches(name, robot.links, n=1, cutoff=0.4)
         meant = f"; did you mean {near[0]}?" if near else ""
@@ -122,7 +122,7 @@ def _is_finger(joint: Joint) -> bool:
     return joint.mimic is not None or named is not None
 
 
-def _next_moving(robot: Description, link: str) -> list[Joint]:
+def _next_moving(robot: UrdfRobot, link: str) -> list[Joint]:
     """The first joints beyond a link that move and are no fingers'."""
     found: list[Joint] = []
     for joint in robot.below(link):
@@ -133,12 +133,12 @@ def _next_moving(robot: Description, link: str) -> list[Joint]:
     return found
 
 
-def _depth(robot: Description, joint: Joint) -> int:
+def _depth(robot: UrdfRobot, joint: Joint) -> int:
     """How many joints of a chain follow each other, this one included."""
     return 1 + max((_depth(robot, after) for after in _next_moving(robot, joint.child)), default=0)
 
 
-def _trunk(robot: Description) -> list[Joint]:
+def _trunk(robot: UrdfRobot) -> list[Joint]:
     """The moving joints of the only arm; ModelError where there are several, or none."""
     trunk: list[Joint] = []
     link = robot.root
@@ -158,13 +158,13 @@ def _trunk(robot: Description) -> list[Joint]:
     return trunk
 
 
-def _end_of(robot: Description, joint: Joint) -> str:
+def _end_of(robot: UrdfRobot, joint: Joint) -> str:
     """The last link of the longest chain from a joint on."""
     ahead = _next_moving(robot, joint.child)
     return _end_of(robot, max(ahead, key=lambda j: _depth(robot, j))) if ahead else joint.child
 
 
-def fixed_to(robot: Description, link: str, stops: Callable[[Joint], bool] = lambda j: j.kind != "fixed") -> list[str]:
+def fixed_to(robot: UrdfRobot, link: str, stops: Callable[[Joint], bool] = lambda j: j.kind != "fixed") -> list[str]:
     """A link and all that is fixed to it."""
     found = [link]
     for name in found:
@@ -172,7 +172,7 @@ def fixed_to(robot: Description, link: str, stops: Callable[[Joint], bool] = lam
     return found
 
 
-def _tool_of(robot: Description, last_link: str) -> str:
+def _tool_of(robot: UrdfRobot, last_link: str) -> str:
     """The frame of the tool by its name, or the last frame that is fixed to the last link."""
     fixed = fixed_to(robot, last_link)
     for pattern in TOOL_NAMES:
@@ -182,7 +182,7 @@ def _tool_of(robot: Description, last_link: str) -> str:
     return fixed[-1]
 
 
-def _locked(robot: Description, way: list[Joint], positions: Mapping[str, float]) -> list[Locked]:
+def _locked(robot: UrdfRobot, way: list[Joint], positions: Mapping[str, float]) -> list[Locked]:
     arm = {joint.name for joint in way}
     others = {joint.name: joint for joint in robot.joints if joint.kind != "fixed" and joint.name not in arm}
     for name in positions:
@@ -212,7 +212,7 @@ def _position(joint: Joint, others: Mapping[str, Joint], positions: Mapping[str,
     return min(max(0.0, min(lower, upper)), max(lower, upper))
 
 
-def _fixed(robot: Description, positions: Mapping[str, float]) -> Description:
+def _fixed(robot: UrdfRobot, positions: Mapping[str, float]) -> UrdfRobot:
     """The same with these joints fixed where they are locked."""
     joints = tuple(_as_fixed(j, positions[j.name]) if j.name in positions else j for j in robot.joints)
     return replace(robot, joints=joints)

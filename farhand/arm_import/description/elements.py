@@ -10,7 +10,7 @@ Rgba: TypeAlias = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Mesh:
+class UrdfMesh:
     """A mesh by its name in the file, and its scale along its own axes."""
 
     filename: str
@@ -18,7 +18,7 @@ class Mesh:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class UrdfBox:
     """A box by its edges, m."""
 
     size_m: tuple[float, float, float]
@@ -39,7 +39,7 @@ class Sphere:
     radius_m: float
 
 
-Geometry: TypeAlias = Mesh | Box | Cylinder | Sphere
+Geometry: TypeAlias = UrdfMesh | UrdfBox | Cylinder | Sphere
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +61,7 @@ class Inertial:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Link:
+class UrdfLink:
     """A link with its shapes."""
 
     name: str
@@ -111,12 +111,12 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Description:
+class UrdfRobot:
     """A robot as its file describes it: a tree of links, joined by `joints`, that begins at `root`."""
 
     name: str
     root: str
-    links: dict[str, Link] = field(default_factory=dict)
+    links: dict[str, UrdfLink] = field(default_factory=dict)
     joints: tuple[Joint, ...] = ()
 
     def above(self, link: str) -> Joint | None:
@@ -144,7 +144,7 @@ class Description:
         return found
 
 
-def with_free_names(robot: Description, taken: Collection[str]) -> Description:
+def with_free_names(robot: UrdfRobot, taken: Collection[str]) -> UrdfRobot:
     """The same with other names for links and joints that have a name that is taken."""
 
     def free(name: str) -> str:

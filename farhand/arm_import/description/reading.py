@@ -10,20 +10,20 @@ import numpy as np
 from common.errors import ModelError
 from common.geometry import Array, rotation_from_vector, transform
 from farhand.arm_import.description.elements import (
-    Box,
     Cylinder,
-    Description,
     Geometry,
     Inertial,
     Joint,
     JointKind,
     Limit,
-    Link,
-    Mesh,
     Mimic,
     Rgba,
     Shape,
     Sphere,
+    UrdfBox,
+    UrdfLink,
+    UrdfMesh,
+    UrdfRobot,
 )
 
 Element = ElementTree.Element
@@ -31,7 +31,7 @@ XACRO = "xacro"
 TURNING = ("revolute", "prismatic", "continuous")
 
 
-def read_description(text: bytes, source: str) -> Description:
+def read_description(text: bytes, source: str) -> UrdfRobot:
     """The links and joints of a URDF's bytes; ModelError names `source`, what is wrong, and the cure."""
     try:
         robot = ElementTree.fromstring(text)  # noqa: S314  # the robot model is the user's own
@@ -46,10 +46,10 @@ def read_description(text: bytes, source: str) -> Description:
     colours = {name: rgba for m in robot.findall("material") if (name := m.get("name")) and (rgba := _rgba(m))}
     links = {link.name: link for link in (_link(e, colours, source) for e in robot.findall("link"))}
     joints = tuple(_joint(e, source) for e in robot.findall("joint"))
-    return Description(robot.get("name") or "arm", _root(links, joints, source), links, joints)
+    return UrdfRobot(robot.get("name") or "arm", _root(links, joints, source), links, joints)
 
 
-def _root(links: dict[str, Link], joints: tuple[Joint, ...], source: str) -> str:
+def _root(links: dict[str, UrdfLink], joints: tuple[Joint, ...], source: str) -> str:
     """The link that no joint carries; ModelError where the links are no tree."""
     for joint in joints:
         for end in (joint.parent, joint.child):
@@ -67,13 +67,13 @@ def _root(links: dict[str, Link], joints: tuple[Joint, ...], source: str) -> str
     return roots[0]
 
 
-def _link(element: Element, colours: dict[str, Rgba], source: str) -> Link:
+def _link(element: Element, colours: dict[str, Rgba], source: str) -> UrdfLink:
     name = element.get("name") or ""
     shapes = {
         kind: tuple(shape for e in element.findall(kind) if (shape := _shape(e, colours, f"{source}: link {name}")))
         for kind in ("visual", "collision")
     }
-    return Link(name, shapes["visual"], shapes["collision"], _inertial(element.find("inertial"), source))
+    return UrdfLink(name, shapes["visual"], shapes["collision"], _inertial(element.find("inertial"), source))
 
 
 def _shape(element: Element, colours: dict[str, Rgba], where: str) -> Shape | None:
@@ -91,10 +91,10 @@ def _geometry(geometry: Element, where: str) -> Geometry | None:
     for kind in geometry:
         if kind.tag == "mesh":
             x, y, z = _numbers(kind.get("scale") or "1 1 1", 3, where)
-            return Mesh((kind.get("filename") or "").strip(), (x, y, z))
+            return UrdfMesh((kind.get("filename") or "").strip(), (x, y, z))
         if kind.tag == "box":
             x, y, z = _numbers(kind.get("size") or "", 3, where)
-            return Box((x, y, z))
+            return UrdfBox((x, y, z))
         if kind.tag == "cylinder":
             return Cylinder(_number(kind.get("radius"), where), _number(kind.get("length"), where))
         if kind.tag == "sphere":

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from common.geometry import Array, transform
-from farhand.arm_import.description.elements import Box, Cylinder, Geometry, Mesh, Shape, Sphere
+from farhand.arm_import.description.elements import Cylinder, Geometry, Shape, Sphere, UrdfBox, UrdfMesh
 from farhand.arm_import.shapes.capsule import Capsule, enclosing_capsule
 
 LEAST_LENGTH_M = 1e-6
@@ -25,15 +25,15 @@ def shape_of(capsule: Capsule) -> Shape:
 def capsules_of(shapes: Iterable[Shape]) -> list[Capsule]:
     """Capsules around geometries that are no meshes, in the link's frame: one around all boxes, one for each other."""
     shapes = list(shapes)
-    boxes = [_corners(shape.geometry, shape.link_T_shape) for shape in shapes if isinstance(shape.geometry, Box)]
-    others = [capsule_of(shape) for shape in shapes if not isinstance(shape.geometry, Box)]
+    boxes = [_corners(shape.geometry, shape.link_T_shape) for shape in shapes if isinstance(shape.geometry, UrdfBox)]
+    others = [capsule_of(shape) for shape in shapes if not isinstance(shape.geometry, UrdfBox)]
     return [*others, *([enclosing_capsule(np.concatenate(boxes))] if boxes else [])]
 
 
 def capsule_of(shape: Shape) -> Capsule:
     """The capsule around a geometry that is no mesh, in the link's frame."""
     geometry, pose = shape.geometry, shape.link_T_shape
-    if isinstance(geometry, Box):
+    if isinstance(geometry, UrdfBox):
         return enclosing_capsule(_corners(geometry, pose))
     half = _half_length(geometry) * pose[:3, 2]
     return Capsule(pose[:3, 3] - half, pose[:3, 3] + half, _radius(geometry))
@@ -42,14 +42,14 @@ def capsule_of(shape: Shape) -> Capsule:
 def outermost(shape: Shape) -> Array:
     """Points (m x 3) in the link's frame between which a geometry lies that is no mesh."""
     geometry, pose = shape.geometry, shape.link_T_shape
-    if isinstance(geometry, Box):
+    if isinstance(geometry, UrdfBox):
         return _corners(geometry, pose)
     radius = _radius(geometry)
     half = _half_length(geometry) or radius
-    return _corners(Box((2 * radius, 2 * radius, 2 * half)), pose)
+    return _corners(UrdfBox((2 * radius, 2 * radius, 2 * half)), pose)
 
 
-def _corners(box: Box, pose: Array) -> Array:
+def _corners(box: UrdfBox, pose: Array) -> Array:
     corners = np.array(list(itertools.product(*((-edge / 2, edge / 2) for edge in box.size_m))))
     placed: Array = corners @ pose[:3, :3].T + pose[:3, 3]
     return placed
@@ -60,7 +60,7 @@ def _half_length(geometry: Geometry) -> float:
 
 
 def _radius(geometry: Geometry) -> float:
-    if isinstance(geometry, Mesh | Box):
+    if isinstance(geometry, UrdfMesh | UrdfBox):
         raise TypeError(f"{geometry} has no radius")
     return geometry.radius_m
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from common.errors import ModelError
 from common.geometry import Array
-from farhand.arm_import.description.elements import Inertial, Link, Mesh, Shape
+from farhand.arm_import.description.elements import Inertial, Shape, UrdfLink, UrdfMesh
 from farhand.arm_import.shapes.capsules_of import capsule_of, outermost, shape_of
 from farhand.arm_import.shapes.covering import covering
 from farhand.arm_import.shapes.inertia import estimated, mended, usable
@@ -25,7 +25,7 @@ class CoveredLink:
     `points` (m x 3) in m, in its frame, are those of the file's own shapes, which capsules reach beyond.
     """
 
-    link: Link
+    link: UrdfLink
     points: Array
     notes: tuple[str, ...] = ()
     dropped: tuple[str, ...] = ()  # visuals
@@ -38,7 +38,7 @@ class _Notes:
     dropped: list[str] = field(default_factory=list)
 
 
-def cover_link(link: Link, find: FindFile, *, moves: bool) -> CoveredLink:
+def cover_link(link: UrdfLink, find: FindFile, *, moves: bool) -> CoveredLink:
     """The link as it is written; ModelError where a collision mesh is missing or cannot be read.
 
     A link that `moves` gets a mass and an inertia where its file states none that a body can have.
@@ -51,29 +51,29 @@ def cover_link(link: Link, find: FindFile, *, moves: bool) -> CoveredLink:
     inertial, is_estimated = link.inertial, False
     if moves and not usable(inertial):
         inertial, is_estimated = _inertial(link, shapes, notes)
-    covered = Link(link.name, tuple(visuals), tuple(shapes), inertial)
+    covered = UrdfLink(link.name, tuple(visuals), tuple(shapes), inertial)
     return CoveredLink(covered, points, tuple(notes.said), tuple(notes.dropped), is_estimated)
 
 
-def with_hulls(covered: CoveredLink, link: Link, find: FindFile) -> CoveredLink:
+def with_hulls(covered: CoveredLink, link: UrdfLink, find: FindFile) -> CoveredLink:
     """The same with its collision meshes, which count as their convex hulls, instead of capsules around them."""
-    own = [_found(shape, shape.geometry, find) for shape in link.collisions if isinstance(shape.geometry, Mesh)]
-    simple = [shape for shape in link.collisions if not isinstance(shape.geometry, Mesh)]
+    own = [_found(shape, shape.geometry, find) for shape in link.collisions if isinstance(shape.geometry, UrdfMesh)]
+    simple = [shape for shape in link.collisions if not isinstance(shape.geometry, UrdfMesh)]
     return replace(covered, link=replace(covered.link, collisions=(*simple, *own)))
 
 
-def _found(shape: Shape, mesh: Mesh, find: FindFile) -> Shape:
-    return Shape(shape.link_T_shape, Mesh(str(find(mesh.filename)), mesh.scale))
+def _found(shape: Shape, mesh: UrdfMesh, find: FindFile) -> Shape:
+    return Shape(shape.link_T_shape, UrdfMesh(str(find(mesh.filename)), mesh.scale))
 
 
-def _inertial(link: Link, shapes: Sequence[Shape], notes: _Notes) -> tuple[Inertial, bool]:
+def _inertial(link: UrdfLink, shapes: Sequence[Shape], notes: _Notes) -> tuple[Inertial, bool]:
     if link.inertial is not None and (better := mended(link.inertial)) is not None:
         notes.said.append(f"{link.name}: no body has the file's inertia; its mean about every axis counts instead")
         return better, False
     return estimated([capsule_of(shape) for shape in shapes]), True
 
 
-def _visuals(link: Link, find: FindFile, notes: _Notes) -> list[Shape]:
+def _visuals(link: UrdfLink, find: FindFile, notes: _Notes) -> list[Shape]:
     """What MuJoCo can show; instead of visuals that it cannot, the link's collision meshes."""
     kept = [shape for one in link.visuals if (shape := _shown(one, find, notes)) is not None]
     if kept or not link.visuals:
@@ -84,7 +84,7 @@ def _visuals(link: Link, find: FindFile, notes: _Notes) -> list[Shape]:
 
 def _shown(shape: Shape, find: FindFile, notes: _Notes) -> Shape | None:
     mesh = shape.geometry
-    if not isinstance(mesh, Mesh):
+    if not isinstance(mesh, UrdfMesh):
         return shape
     try:
         path = find(mesh.filename)
@@ -94,15 +94,15 @@ def _shown(shape: Shape, find: FindFile, notes: _Notes) -> Shape | None:
     if (unreadable := shown(path)) is not None:
         notes.dropped.append(f"{mesh.filename}: {unreadable.why}")
         return None
-    return Shape(shape.link_T_shape, Mesh(str(path), mesh.scale), shape.colour)
+    return Shape(shape.link_T_shape, UrdfMesh(str(path), mesh.scale), shape.colour)
 
 
 def _covered(shapes: Iterable[Shape], find: FindFile, link: str) -> tuple[list[Shape], Array]:
     """The shapes that are no meshes as they are, and capsules around the meshes together; the points of all."""
     shapes = list(shapes)
-    simple = [Shape(s.link_T_shape, s.geometry) for s in shapes if not isinstance(s.geometry, Mesh)]
+    simple = [Shape(s.link_T_shape, s.geometry) for s in shapes if not isinstance(s.geometry, UrdfMesh)]
     try:
-        surfaces = [_surface(s, s.geometry, find) for s in shapes if isinstance(s.geometry, Mesh)]
+        surfaces = [_surface(s, s.geometry, find) for s in shapes if isinstance(s.geometry, UrdfMesh)]
     except ModelError as error:
         raise ModelError(f"link {link}: {error}") from error
     capsules = covering(np.concatenate(surfaces)) if surfaces else []
@@ -110,14 +110,14 @@ def _covered(shapes: Iterable[Shape], find: FindFile, link: str) -> tuple[list[S
     return simple + [shape_of(capsule) for capsule in capsules], np.concatenate(points)
 
 
-def _surface(shape: Shape, mesh: Mesh, find: FindFile) -> Array:
+def _surface(shape: Shape, mesh: UrdfMesh, find: FindFile) -> Array:
     """The triangles of a mesh in the link's frame."""
     pose = shape.link_T_shape
     triangles: Array = read_triangles(find(mesh.filename), mesh.scale) @ pose[:3, :3].T + pose[:3, 3]
     return triangles
 
 
-def _of_visuals(link: Link, find: FindFile, notes: _Notes) -> tuple[list[Shape], Array]:
+def _of_visuals(link: UrdfLink, find: FindFile, notes: _Notes) -> tuple[list[Shape], Array]:
     """Shapes around the visuals of a link without collision elements; none, which is said, where none can be read."""
     try:
         covered = _covered(link.visuals, find, link.name)

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from farhand.arm_import.choices.cell import ROBOTS_OWN, Scene
+from farhand.arm_import.choices.cell import ROBOTS_OWN, CellScene
 from farhand.arm_import.choices.tool import GRIPPER_M
 from farhand.arm_import.design import Design, tool_capsules
 from remote_site.kinematics.config import CapsuleConfig
@@ -163,7 +163,7 @@ def _scene(design: Design) -> list[str]:
     return lines + _views(scene)
 
 
-def _views(scene: Scene) -> list[str]:
+def _views(scene: CellScene) -> list[str]:
     lines = []
     for view in scene.views:
         lines += [

@@ -8,25 +8,25 @@ import numpy as np
 
 from common.geometry import Array
 from farhand.arm_import.description.elements import (
-    Box,
     Cylinder,
-    Description,
     Geometry,
     Inertial,
     Joint,
     Limit,
-    Link,
-    Mesh,
     Rgba,
     Shape,
     Sphere,
+    UrdfBox,
+    UrdfLink,
+    UrdfMesh,
+    UrdfRobot,
 )
 
 GREY: Rgba = (0.75, 0.77, 0.80, 1.0)
 DIGITS = 9
 
 
-def urdf_text(robot: Description, comment: Sequence[str]) -> str:
+def urdf_text(robot: UrdfRobot, comment: Sequence[str]) -> str:
     """The file, which begins with the lines of a comment."""
     lines = ['<?xml version="1.0"?>', "<!--", *(f"  {_in_comment(line)}" for line in comment), "-->"]
     lines.append(f"<robot name={quoteattr(robot.name)}>")
@@ -41,7 +41,7 @@ def _in_comment(line: str) -> str:
     return line.replace("--", "- -")
 
 
-def _link(link: Link) -> list[str]:
+def _link(link: UrdfLink) -> list[str]:
     inside = [] if link.inertial is None else _inertial(link.inertial)
     for kind, shapes in (("visual", link.visuals), ("collision", link.collisions)):
         inside += [line for shape in shapes for line in _shape(kind, shape)]
@@ -69,10 +69,10 @@ def _shape(kind: str, shape: Shape) -> list[str]:
 
 
 def _geometry(geometry: Geometry) -> str:
-    if isinstance(geometry, Mesh):
+    if isinstance(geometry, UrdfMesh):
         scale = "" if geometry.scale == (1.0, 1.0, 1.0) else f" scale={_attribute(geometry.scale)}"
         return f"<mesh filename={quoteattr(geometry.filename)}{scale}/>"
-    if isinstance(geometry, Box):
+    if isinstance(geometry, UrdfBox):
         return f"<box size={_attribute(geometry.size_m)}/>"
     if isinstance(geometry, Cylinder):
         return f"<cylinder radius={_attribute([geometry.radius_m])} length={_attribute([geometry.length_m])}/>"

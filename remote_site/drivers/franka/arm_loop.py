@@ -11,7 +11,7 @@ from common.process.service import StopFlag
 from remote_site.drivers.driver import DriverSetup
 from remote_site.drivers.faults import FaultCode, RobotFault, apart
 from remote_site.drivers.franka.arm_memory import ArmMemory, ArmStatus
-from remote_site.drivers.franka.arm_motion import ArmMotion
+from remote_site.drivers.franka.played_motion import PlayedMotion
 from remote_site.drivers.franka.robot_errors import fault_of, mode_fault
 from remote_site.drivers.franka.robot_port import (
     ArmState,
@@ -32,7 +32,7 @@ class ArmLoop:
     def __init__(self, watch: RobotWatch, memory: ArmMemory, setup: DriverSetup) -> None:
         self._watch, self._memory, self._setup = watch, memory, setup
         self._port: MotionPort | None = None
-        self._motion: ArmMotion | None = None
+        self._motion: PlayedMotion | None = None
         self._activation = 0
         self._q0: Array | None = None  # where an activation waits for the robot to be idle
         self._brakes = False
@@ -100,7 +100,7 @@ class ArmLoop:
             self._fault = refused
             return
         self._port = robot.start()
-        self._motion = ArmMotion(state.held, q0, self._setup)
+        self._motion = PlayedMotion(state.held, q0, self._setup)
 
     def _drive(self, port: MotionPort) -> None:
         before, state = self._watch.state, self._watch.read(port)

@@ -18,8 +18,8 @@ from remote_site.drivers.driver import (
 )
 from remote_site.drivers.faults import NOT_ACTIVATED, STILL_MOVING, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.franka.arm_memory import ArmMemory, ArmStatus, HandMemory
-from remote_site.drivers.franka.arm_motion import WATCHDOG_MS
 from remote_site.drivers.franka.config import FrankaConfig
+from remote_site.drivers.franka.played_motion import WATCHDOG_MS
 from remote_site.drivers.franka.robot_limits import FR3, JOINTS, too_much
 from remote_site.drivers.supervisor.orders import DriverOrder
 

@@ -11,7 +11,7 @@ from farhand.arm_import.choices.box import Grid, largest_box
 from farhand.arm_import.choices.cell import fitting_speed, joint_numbers, margins
 from farhand.arm_import.choices.tool import FRAME, GRIPPER_M, choose_tool, pose_from, with_mount
 from farhand.arm_import.description.arm import choose_arm
-from farhand.arm_import.description.elements import Box, Limit, Link, Shape, with_free_names
+from farhand.arm_import.description.elements import Limit, Shape, UrdfBox, UrdfLink, with_free_names
 from farhand.arm_import.description.reading import read_description
 from farhand.arm_import.prepared import cover_links
 from farhand.arm_import.shapes.links import cover_link
@@ -74,7 +74,7 @@ def test_where_the_tools_own_link_is_named_its_end_is_the_centre():
 def test_a_last_link_without_a_flange_ends_where_its_shape_does():
     arm, _ = tool_of()
     links = cover_links(arm, Path)
-    body = Link("last", collisions=(Shape(np.eye(4), Box((0.02, 0.02, 0.1))),))
+    body = UrdfLink("last", collisions=(Shape(np.eye(4), UrdfBox((0.02, 0.02, 0.1))),))
     tool = choose_tool(arm, links | {"last": cover_link(body, Path, moves=False)})
     assert tool.last_T_mount[2, 3] == pytest.approx(0.05)
 

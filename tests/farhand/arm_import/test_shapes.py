@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from common.errors import ModelError
-from farhand.arm_import.description.elements import Box, Inertial, Link, Mesh, Shape
+from farhand.arm_import.description.elements import Inertial, Shape, UrdfBox, UrdfLink, UrdfMesh
 from farhand.arm_import.shapes.capsule import Capsule, enclosing_capsule
 from farhand.arm_import.shapes.capsules_of import capsule_of, shape_of
 from farhand.arm_import.shapes.covering import below, covering
@@ -80,7 +80,7 @@ def test_a_scale_is_the_meshs_own(tmp_path):
 def test_visuals_are_covered_where_there_is_no_collision_element(tmp_path):
     (tmp_path / "box.stl").write_bytes(box_stl((0.1, 0.1, 0.1), (0.0, 0.0, 0.0)))
     covered = cover_link(
-        Link("l", visuals=(Shape(np.eye(4), Mesh("box.stl")),)), lambda name: tmp_path / name, moves=True
+        UrdfLink("l", visuals=(Shape(np.eye(4), UrdfMesh("box.stl")),)), lambda name: tmp_path / name, moves=True
     )
     assert len(covered.link.collisions) == 1
     assert "its visuals were covered instead" in covered.notes[0]
@@ -92,7 +92,7 @@ def test_a_link_whose_visuals_cannot_be_read_either_says_that_it_keeps_no_distan
     def nowhere(name):
         raise ModelError(f"there is no file {name}")
 
-    covered = cover_link(Link("l", visuals=(Shape(np.eye(4), Mesh("gone.dae")),)), nowhere, moves=False)
+    covered = cover_link(UrdfLink("l", visuals=(Shape(np.eye(4), UrdfMesh("gone.dae")),)), nowhere, moves=False)
     assert covered.link.collisions == ()
     assert "keeps no distance" in covered.notes[0]
     assert covered.dropped
@@ -108,9 +108,11 @@ def test_a_link_whose_visuals_cannot_be_read_either_says_that_it_keeps_no_distan
     ],
 )
 def test_what_no_body_can_have_is_replaced(inertial):
-    box = Shape(np.eye(4), Box((0.1, 0.1, 0.3)))
+    box = Shape(np.eye(4), UrdfBox((0.1, 0.1, 0.3)))
     assert not usable(inertial)
-    assert usable(cover_link(Link("l", collisions=(box,), inertial=inertial), lambda _: None, moves=True).link.inertial)
+    assert usable(
+        cover_link(UrdfLink("l", collisions=(box,), inertial=inertial), lambda _: None, moves=True).link.inertial
+    )
 
 
 def test_an_estimated_mass_is_the_density_times_the_volume():

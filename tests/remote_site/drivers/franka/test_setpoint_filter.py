@@ -7,7 +7,7 @@ from common.clock import NS_PER_MS
 from common.geometry import Array
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
-from remote_site.drivers.franka.arm_motion import ArmMotion
+from remote_site.drivers.franka.played_motion import PlayedMotion
 from remote_site.drivers.franka.robot_limits import FR3
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
@@ -47,9 +47,9 @@ class Hand:
         return come[-1] if come else None
 
 
-def followed(hand: Hand, ms: int) -> tuple[ArmMotion, Array, float]:
+def followed(hand: Hand, ms: int) -> tuple[PlayedMotion, Array, float]:
     """What is sent in each millisecond (ms, 7), and how far it is from what was meant, at most, rad."""
-    arm = ArmMotion(SETUP.start, SETUP.start, SETUP)
+    arm = PlayedMotion(SETUP.start, SETUP.start, SETUP)
     sent, off = [], 0.0
     for at in range(ms):
         now_ns = BEGIN_NS + at * NS_PER_MS
@@ -74,7 +74,7 @@ def test_setpoints_out_of_time_stay_within_the_robots_limits(late_ms: float, lef
 
 def test_what_comes_in_time_is_followed_without_lag() -> None:
     hand = Hand(0.0, 0.0)
-    arm = ArmMotion(SETUP.start, SETUP.start, SETUP)
+    arm = PlayedMotion(SETUP.start, SETUP.start, SETUP)
     lag = 0.0
     for at in range(4000):
         if (command := hand.due(at)) is not None:

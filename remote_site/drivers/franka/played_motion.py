@@ -16,7 +16,7 @@ WATCHDOG_MS = 100.0
 STARVED = RobotFault(FaultCode.WATCHDOG, "setpoints ceased in motion, the arm has come to rest", "starved")
 
 
-class ArmMotion:
+class PlayedMotion:
     """Begins at rest at `held` (7,) rad, where the robot wants its joints; they were measured at `q0`.
 
     A joint is sent as far from its setpoint as it was held from where it was measured: gravity pulls it as far away.
