@@ -167,8 +167,9 @@ def is_stopped(report):
     return timed_out and not report.sent.dq.any() and np.abs(report.dq).max() < 0.01
 
 
-@pytest.mark.parametrize("factory", [kinematic, simulated, c500c])
-def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, commander, factory):
+# The simulated robot extrapolates its last setpoint while a busy machine keeps the next from it: 20 ms at 1 rad/s.
+@pytest.mark.parametrize(("factory", "overshoot_rad"), [(kinematic, 0.003), (simulated, 0.02), (c500c, 0.003)])
+def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, commander, factory, overshoot_rad):
     rig = make_rig(factory)
     victim = commander(rig)
     rig.watch(lambda report: report.ready and report.sent.dq[0] > 1.0 and report.dq[0] > 0.5)
@@ -181,7 +182,7 @@ def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, comma
     report = rig.watch(is_stopped)
     assert report.sent.q[0] == pytest.approx(end, abs=1e-9)
     rig.watch(lambda r: abs(r.q[0] - end) < 0.003 and np.abs(r.dq).max() < 0.01)
-    assert max(r.q[0] for _, r in rig.log) < end + 0.003
+    assert max(r.q[0] for _, r in rig.log) < end + overshoot_rad
     time.sleep(0.1)
     assert rig.watch(lambda _: True).sent.q[0] == pytest.approx(report.sent.q[0], abs=1e-9)
 
