@@ -120,6 +120,16 @@ class Stamped(ServoArm):
         return self.newest
 
 
+class StampedEarly(ServoArm):
+    """Stamps what it measures with a time of long before, as a call does that takes 80 ms."""
+
+    rate_hz, lag_ms = 25.0, 160.0
+
+    def read(self) -> Positions | MeasuredPositions | None:
+        super().read()
+        return MeasuredPositions(self.q, self.clock.now_ns() - 80 * NS_PER_MS)
+
+
 class Sparing(Stamped):
     """The same, and says that nothing is new."""
 

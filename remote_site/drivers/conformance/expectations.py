@@ -16,6 +16,7 @@ from remote_site.safety.stopping import stop_time, stops
 REACHED_RAD = 0.01
 RESTS_RAD_S = 0.01
 HOLDS_RAD = 0.005
+OLD_S = 0.02  # at which age a reading's stamp may be the reason for what is judged
 SHORT = 0.5  # of the travel of a stop within the limits: a shorter one is too hard
 
 
@@ -50,15 +51,27 @@ def travelled(trial: Trial, at: float, sent: JointMotion, when: str) -> None:
         )
 
 
-def brakes_within_limits(trial: Trial, at: float, sent: JointMotion) -> None:
-    """The first joint has moved at least as far since the stop as the quickest stop within its limits."""
+def brakes_within_limits(trial: Trial, read_at: float, age_s: float, sent: JointMotion) -> None:
+    """The first joint has moved at least as far since the stop as the quickest stop within its limits.
+
+    At the stop its last reading, rad, was `age_s` old; it had moved on since, at the speed of `sent`.
+    """
     needed = abs(stops(sent, trial.setup.limits)[0].end - float(sent.q[0]))
-    travel = trial.side * (float(trial.q0[0]) - at)
+    travel = trial.side * (float(trial.q0[0]) - (read_at + float(sent.dq[0]) * age_s))
     if travel < SHORT * needed:
         raise Failed(
-            f"{trial.first_joint} stopped within {max(travel, 0.0):.3f} rad where its limits need {needed:.3f} rad; it"
-            " brakes too hard, so let it stop within the acceleration and jerk that configure gives it"
+            f"{trial.first_joint} stopped within {max(travel, 0.0):.3f} rad where its limits need {needed:.3f} rad; "
+            "let it stop within the acceleration and jerk that configure gives it" + _or_stamped_early(age_s)
         )
+
+
+def _or_stamped_early(age_s: float) -> str:
+    if age_s < OLD_S:
+        return ""
+    return (
+        ", or stamp its readings with the time of the measurement (MeasuredPositions, for a position arm): by its t_ns "
+        f"the last one was {1000 * age_s:.0f} ms old"
+    )
 
 
 def ended_in(trial: Trial, code: FaultCode, what: str) -> None:
