@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from common.clock import NS_PER_S
 from common.link.channels import STATE
 from common.messages.robot import RobotState
+from local_site.console.model.unanswered import UnansweredFault
 
 KEPT = 30
 TROUBLE_NS = 3 * NS_PER_S  # near a limit trouble comes and goes
@@ -25,7 +26,7 @@ class Event:
 
 
 class History:
-    """Keeps the last events; a repetition is not noted."""
+    """Keeps the last events; a repetition is not noted. `unanswered` is the fault of a remote site that ended with it."""
 
     def __init__(self) -> None:
         self.events: deque[Event] = deque(maxlen=KEPT)
@@ -35,6 +36,7 @@ class History:
         self._trouble_ns: dict[str, int] = {}
         self._said_ns: dict[str, int] = {}
         self._silent_since_ns: int | None = None
+        self.unanswered = UnansweredFault()
 
     def note(self, kind: str, text: str, now_ns: int) -> None:
         """Note an event."""
@@ -68,6 +70,7 @@ class History:
 
     def add_state(self, state: RobotState, now_ns: int) -> None:
         """Note a change of state, of its code, of the links' trouble, or of who holds the lease."""
+        self.unanswered.see(state)
         self._note_session(state, now_ns)
         self._note_links(state, now_ns)
         self._note_limit(state, now_ns)

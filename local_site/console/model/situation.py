@@ -62,6 +62,7 @@ def situation_json(
         "settings": msgspec.to_builtins(settings),
         "latency": latency,
         "trace": asdict(latencies.trace) if latencies.trace is not None else None,
+        "unanswered": history.unanswered.reason,
         "events": [
             {"number": e.number, "ago_ms": (now_ns - e.t_ns) / NS_PER_MS, "kind": e.kind, "text": e.text}
             for e in history.events

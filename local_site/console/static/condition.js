@@ -26,14 +26,15 @@ export const saidOf = (isReplay) => (isReplay ? RECORDED : LIVE);
 
 export const lostCondition = (said) => ({ name: "lost", tone: "fault", word: "no connection", sentence: said.lost });
 
-/** The condition of the newest state under the operator's settings; `operator` is whose page this is. */
-export function conditionOf(robot, settings, operator, said) {
+/** The condition of the newest state under the operator's settings. `unanswered` is the fault of a remote site that has
+ * been started again since, null without one; `operator` is whose page this is. */
+export function conditionOf(robot, settings, unanswered, operator, said) {
   if (robot === null) return { name: "none", tone: "fault", word: said.noneWord, sentence: said.none };
   if (robot.silent) return silent(robot, said);
   if (robot.state === "fault") return { name: "fault", tone: "fault", word: "fault", sentence: robot.reason };
   if (robot.readiness.code === "stopped") return { name: "stopped", tone: "fault", word: "stopped", sentence: robot.reason };
   if (isAnothers(robot.lease, operator)) return another(robot);
-  return { ...session(robot), sentence: sentenceOf(robot, settings) };
+  return { ...session(robot), sentence: sentenceOf(robot, settings, unanswered) };
 }
 
 /** Whether somebody else may operate; without a hand from the local site its session is not known, but the name is. */
@@ -75,8 +76,9 @@ function lockWords(settings) {
   return locked.length > 0 ? `locked: ${locked.join(", ")}` : "";
 }
 
-function sentenceOf(robot, settings) {
+function sentenceOf(robot, settings, unanswered) {
+  const before = unanswered === null ? [] : [`the remote site has started again after a fault: ${unanswered}`];
   const missing = robot.state === "disengaged" && robot.readiness.reason !== robot.reason ? [robot.readiness.reason] : [];
   const following = robot.state === "engaged" ? [behindWords(robot), lockWords(settings)] : [];
-  return [robot.reason, ...following, ...missing, ...troubles(robot)].filter(Boolean).join(" · ");
+  return [...before, robot.reason, ...following, ...missing, ...troubles(robot)].filter(Boolean).join(" · ");
 }

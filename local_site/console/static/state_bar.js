@@ -42,10 +42,10 @@ export class StateBar {
   }
 
   /** Show the newest state; the condition that is shown for it. */
-  show({ robot, settings }) {
+  show({ robot, settings, unanswered }) {
     this.#connected = true;
     this.#receivedMs = performance.now();
-    return this.#show(conditionOf(robot, settings, this.#operator, this.#said));
+    return this.#show(conditionOf(robot, settings, unanswered, this.#operator, this.#said));
   }
 
   #show(newest) {
