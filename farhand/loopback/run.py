@@ -119,6 +119,7 @@ class Loopback:
         self.operator_views = operator_views(self._local.tracking.method)
         self._operator = LoopbackOperator(make_operator(self._local.simulation), Beginning())
         self._sites = RunningSites()
+        self.failure: ProcessError | None = None
 
     @property
     def views_are_simulated(self) -> bool:
@@ -131,7 +132,10 @@ class Loopback:
         return self._sites.record
 
     def run(self) -> Figures:
-        """Start, wait for the arm to follow, measure, end; ProcessError states what went wrong."""
+        """Start, wait for the arm to follow, measure, end; ProcessError states what went wrong before it followed.
+
+        What goes wrong after that ends the run, and is the `failure` beside the figures of what was measured.
+        """
         prepare_tracker(self._local.tracking)
         with ExitStack() as stack, LiveSummary(self._options.seconds) as live:
             for note in self._plan.notes:
@@ -149,8 +153,11 @@ class Loopback:
             self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, lambda: self._engagement is not None)
             if self._engagement is not None:
                 self._operator.beginning.set(self._engagement.hand_capture_ns)
-            self._watch(live)
-            self._settle()
+            try:
+                self._watch(live)
+                self._settle()
+            except ProcessError as failure:
+                self.failure = failure
         figures = run_figures(self.record, self._operator, self._remote, self._sites.events)
         if self._options.record is not None:
             figures["recording"] = self._recomputed(self._options.record, figures)
@@ -247,7 +254,8 @@ def run_figures(record: Record, operator: LoopbackOperator, remote: RemoteConfig
 def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     """Run, print the table, write report and views; ProcessError when a site dies or the arm does not follow.
 
-    InterruptionError, with what was measured printed and written, when a person ended a run before its time.
+    The table is printed once the arm has followed, also where a site has died since. InterruptionError, with what was
+    measured printed and written, when a person ended a run before its time.
     """
     if options.report is not None:
         check_file("--report", options.report)
@@ -265,6 +273,8 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     if options.save_views is not None:
         save_camera_views(loop.record.cameras, options.save_views)
         save_overview((*loop.record.cameras, *loop.operator_views), options.save_views)
+    if loop.failure is not None:
+        raise loop.failure
     if should_stop() and (options.seconds or not figures["engagements"]):
         raise InterruptionError("interrupted")
     check_followed(figures)

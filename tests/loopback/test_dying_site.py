@@ -7,7 +7,7 @@ from pathlib import Path
 
 from remote_site.session.config import ACCEPTANCE
 
-LIGHT = ("--seconds", "3", "--headless", "--tracker", "markers")
+LIGHT = ("--seconds", "6", "--headless", "--tracker", "markers")
 DRIVER = """
 from farhand.driver import Capabilities
 
@@ -20,13 +20,38 @@ class Mute:
     def configure(self, setup):
         raise ValueError("no arm answers at address 7")
 """
+MORTAL = """
+import os
+from remote_site.drivers.kinematic import KinematicDriver
+
+class Mortal(KinematicDriver):
+    first = None
+
+    def __init__(self, host):
+        super().__init__(host.clock)
+
+    def write(self, command):
+        self.first = command.motion.q if self.first is None else self.first
+        if abs(command.motion.q - self.first).max() > 0.1:
+            os._exit(7)
+        return super().write(command)
+"""
 
 
-def last_line(folder: Path, *settings: str) -> tuple[int, str]:
-    """Exit code and last line of a loopback that finds a folder's packages."""
+def install(folder: Path, name: str, program: str, driver: str) -> None:
+    """A package in the folder that offers a driver."""
+    package = folder / f"{name}-1.dist-info"
+    package.mkdir()
+    (package / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1\n")
+    (package / "entry_points.txt").write_text(f"[farhand.drivers]\n{name} = {name}_driver:{driver}\n")
+    (folder / f"{name}_driver.py").write_text(program)
+
+
+def loopback(folder: Path, *settings: str) -> subprocess.CompletedProcess[str]:
+    """A loopback that finds a folder's packages, ended."""
     command = [sys.executable, "-m", "farhand", "loopback", *LIGHT]
     command += [part for setting in settings for part in ("--set", setting)]
-    done = subprocess.run(
+    return subprocess.run(
         command,
         check=False,
         capture_output=True,
@@ -34,19 +59,29 @@ def last_line(folder: Path, *settings: str) -> tuple[int, str]:
         timeout=120,
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), *sys.path])},
     )
+
+
+def last_line(folder: Path, *settings: str) -> tuple[int, str]:
+    """Exit code and last line of such a loopback."""
+    done = loopback(folder, *settings)
     return done.returncode, done.stderr.splitlines()[-1]
 
 
 def test_a_driver_that_cannot_be_configured_is_named_with_its_reason(tmp_path: Path) -> None:
-    package = tmp_path / "mute-1.dist-info"
-    package.mkdir()
-    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mute\nVersion: 1\n")
-    (package / "entry_points.txt").write_text("[farhand.drivers]\nmute = mute_driver:Mute\n")
-    (tmp_path / "mute_driver.py").write_text(DRIVER)
+    install(tmp_path, "mute", DRIVER, "Mute")
     code, line = last_line(tmp_path, "driver.name=mute", f"engagement.automatic_accepted={ACCEPTANCE}")
     assert code == 1
     assert line.startswith("farhand: the remote process ended (exit code 1): remote: process driver died")
     assert line.endswith("ValueError: no arm answers at address 7")
+
+
+def test_what_was_measured_is_printed_where_a_site_dies_after_the_arm_followed(tmp_path: Path) -> None:
+    install(tmp_path, "mortal", MORTAL, "Mortal")
+    done = loopback(tmp_path, "driver.name=mortal", f"engagement.automatic_accepted={ACCEPTANCE}")
+    assert done.returncode == 1
+    assert "exposure to joint command, ms" in done.stdout
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("farhand: the remote process ended (exit code 1): remote: process driver died")
 
 
 def test_a_urdf_that_cannot_be_read_is_named_with_its_reason(tmp_path: Path) -> None:
