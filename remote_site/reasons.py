@@ -100,6 +100,7 @@ class Code(StrEnum):
     # the session
     NOT_ENGAGED = "not_engaged", "not engaged yet"
     SITE_ENDED = "site_ended", "the remote site was asked to end"
+    SITE_FAILED = "site_failed", "the remote site ends by itself: {cause}"
     SITE_STARTING = "site_starting", "the remote site is still starting"
     NO_HAND = "no_hand", "no hand sample has arrived yet"
     COLLECTING = "collecting", "{count} of {needed} good hand samples in a row"

@@ -85,6 +85,7 @@ def run_remote(
         site.set_ending()
         marker.clear()
     except FarhandError as error:
+        site.set_failure(str(error))
         log.error("ending", reason=str(error))
         raise
     finally:

@@ -201,11 +201,15 @@ class ControlLoop:
         self._server.poll(engaged=snapshot.state in FOLLOWING)
 
     def end(self) -> None:
-        """Publish that the site has been asked to end, if it has: its silence is no failure then."""
-        if self._snapshot is None or not self._site.ending:
+        """Publish that the site has been asked to end, or why it has to: nobody hears anything of it after that."""
+        if self._snapshot is None or not (self._site.ending or self._site.failure):
             return
-        state = SessionState.DISENGAGED if self._snapshot.state in FOLLOWING else self._snapshot.state
-        ended = self._snapshot._replace(state=state, reason=reason(Code.SITE_ENDED))
+        if self._site.failure:
+            state, why = SessionState.FAULT, reason(Code.SITE_FAILED, cause=self._site.failure)
+        else:
+            state = SessionState.DISENGAGED if self._snapshot.state in FOLLOWING else self._snapshot.state
+            why = reason(Code.SITE_ENDED)
+        ended = self._snapshot._replace(state=state, reason=why)
         self._reporter.note(ended, self._driven)
         self._reporter.publish(ended, self._driven, self._inbox.refusals.counts)
 

@@ -1,4 +1,4 @@
-"""What all processes of the remote site share: the lease in force, whether all have started, whether all are to end."""
+"""What all processes of the remote site share: the lease, whether all have started, whether and why all end."""
 
 import mmap
 
@@ -11,12 +11,13 @@ from remote_site.video.process import LeaseInForce
 
 LEASE = np.dtype([("number", np.uint64), ("holder", "S32")])
 VIDEO_LINK = np.dtype([("carries_mbit_s", np.float64), ("needs_mbit_s", np.float64), ("reason", "S400")])
+FAILURE = np.dtype([("sentence", "S360")])  # what a state has room for, with the words before it
 
 READY, ENDING = range(2)
 
 
 class SiteMemory:
-    """A lease, the video's link and two flags in memory that a fork inherits, each with one writer.
+    """A lease, the video's link, a failure and two flags in memory that a fork inherits, each with one writer.
 
     Create it before the fork.
     """
@@ -24,6 +25,7 @@ class SiteMemory:
     def __init__(self) -> None:
         self._lease = SharedRecord(LEASE)
         self._video_link = SharedRecord(VIDEO_LINK)
+        self._failure = SharedRecord(FAILURE)
         self._flags = memoryview(mmap.mmap(-1, mmap.PAGESIZE))[:16].cast("Q")
 
     def show_lease(self, lease: Lease | None) -> None:
@@ -68,3 +70,13 @@ class SiteMemory:
     def ending(self) -> bool:
         """Whether the site was asked to end."""
         return self._flags[ENDING] == 1
+
+    def set_failure(self, sentence: str) -> None:
+        """The site has to end by itself; only the parent of all may call it, before it ends them."""
+        self._failure.write(np.array((sentence.encode(),), FAILURE))
+
+    @property
+    def failure(self) -> str:
+        """Why the site has to end by itself, empty as long as it has not to; cut off after 360 bytes."""
+        failure: bytes = self._failure.read()["sentence"].item()
+        return failure.decode(errors="ignore")

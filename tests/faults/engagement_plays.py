@@ -41,6 +41,7 @@ def kill_video(trial: Trial) -> None:
     pair.move()
     trial.begin(lambda pair: os.kill(child_of(pair.remote, "farhand-video"), signal.SIGKILL))
     pair.wait("the remote site to end", lambda: pair.remote.exit_code is not None, 10)
+    trial.check("process video died" in pair.state.reason, f"the last state names no cause: {pair.state.reason}")
     trial.rests(stop_within_s=0.5)
     start_again(trial)
 

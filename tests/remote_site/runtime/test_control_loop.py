@@ -114,22 +114,37 @@ class Told(NoReport):
         self.published = []
 
     def publish(self, snapshot, *_others):
-        self.published.append((snapshot.state, snapshot.reason.code))
+        self.published.append((snapshot.state, snapshot.reason.sentence))
         return 0
 
 
-@pytest.mark.parametrize("asked", [True, False])
-def test_the_last_state_says_that_the_site_was_asked_to_end_if_it_was(asked):
+@pytest.mark.parametrize(
+    ("end", "published"),
+    [
+        (SiteMemory.set_ready, []),
+        (SiteMemory.set_ending, [(SessionState.DISENGAGED, "the remote site was asked to end")]),
+        (
+            lambda site: site.set_failure("remote: process video died"),
+            [(SessionState.FAULT, "the remote site ends by itself: remote: process video died")],
+        ),
+    ],
+)
+def test_the_last_state_says_that_the_site_was_asked_to_end_or_why_it_has_to(end, published):
     loop, reporter, site = RemoteLoop(), Told(), SiteMemory()
     start = loop.config.robot.start
     driven = DrivenPipeline(loop.pipeline, QuickRobot(start, start))
     ticking = ControlLoop(driven, loop.leases, Requests("nobody", []), reporter, NoReport(), None, site)
     ticking.end()
     ticking.tick(loop.clock.now_ns())
-    if asked:
-        site.set_ending()
+    end(site)
     ticking.end()
-    assert reporter.published == ([(SessionState.DISENGAGED, Code.SITE_ENDED)] if asked else [])
+    assert reporter.published == published
+
+
+def test_a_cause_too_long_for_a_state_is_cut_off():
+    site = SiteMemory()
+    site.set_failure("ö" * 1000)
+    assert site.failure == "ö" * 180
 
 
 def test_the_local_site_knows_the_code_of_a_remote_site_that_ends():
