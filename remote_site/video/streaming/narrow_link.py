@@ -24,8 +24,8 @@ def narrow_link(
     views = f"the {count} views need" if len(settings) > 1 else "the view needs"
     reason = (
         f"the link carries {carries_mbit_s:.1f} Mbit/s of pictures; {views} about {needs_mbit_s:.0f} Mbit/s at "
-        f"{_words(full)}: they are sent at {_words(_least(settings))}. Cure: a wider link, or lower video.fps or "
-        "video.quality, or fewer cameras"
+        f"{_words(full)}: they are sent at {_words(_least(settings))}. Cure: a wider link, fewer "
+        "programs on a host that is overloaded, lower video.fps or video.quality, or fewer cameras"
     )
     return VideoLink(carries_mbit_s=carries_mbit_s, needs_mbit_s=needs_mbit_s, reason=reason)
 
