@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import msgspec
 
-from common.errors import ConfigError
+from common.errors import ConfigError, ConfigFileError
 from common.replaced_keys import REPLACED_KEYS
 
 S = TypeVar("S", bound=msgspec.Struct)
@@ -186,7 +186,7 @@ def _read(path: Path) -> str:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise ConfigError(f"cannot read the configuration {path}: {error.strerror}") from error
+        raise ConfigFileError(f"cannot read the configuration {path}: {error.strerror}") from error
     if len(content) > MAX_BYTES:
         raise ConfigError(f"{path}: larger than {MAX_BYTES} bytes; give a TOML file")
     if content.startswith(codecs.BOM_UTF8):
