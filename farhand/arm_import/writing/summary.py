@@ -1,6 +1,7 @@
 """What an import did, to be read by who asked for it; pure."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,16 +12,35 @@ from remote_site.safety.config import CollisionConfig
 
 LISTED = 3
 MM = 1e3
+MB = 1e6
+FIRST_FACTOR = 0.1  # of all limits, for a first run of a real arm
 
 
-def summary(design: Design, source: str, urdf: str, toml: str) -> list[str]:
+@dataclass(frozen=True, slots=True)
+class Written:
+    """The files of an import, and of the folder `meshes` how many there are and of how many bytes together."""
+
+    toml: str
+    urdf: str
+    meshes: str
+    count: int
+    size: int
+
+
+def summary(design: Design, source: str, written: Written) -> list[str]:
     """The lines: what was imported, locked, dropped, assumed and computed, and what to do next."""
+    toml = written.toml
+    meshes = f", {written.meshes} ({written.count} meshes, {written.size / MB:.1f} MB)" if written.count else ""
     return [
-        f"imported {source} as {toml} and {urdf}",
+        f"imported: {source}",
+        f"written: {toml}, {written.urdf}{meshes}; to move them, keep them together in one folder",
         *changes(design),
         "next:",
         f"  farhand doctor --config {toml}",
         f"  farhand loopback --config {toml}",
+        f"before a real arm moves, since it starts with its full limits; {FIRST_FACTOR:g} of them, for a first run:",
+        f"  farhand limits --config {toml} --factor {FIRST_FACTOR:g}",
+        f"  farhand remote --config {toml} --driver NAME --set robot.limits_factor={FIRST_FACTOR:g}",
     ]
 
 
