@@ -62,7 +62,7 @@ def choose_start(reaching: Reaching, reach_m: float, points: Direction | None, s
         boxes = []
         for finalist in finalists:
             boxes.append((*finalist, choose_box(reaching, finalist[-1], reach_m, scale)))
-            show(f"boxes tried, the hand's motion {scale:g} times", len(boxes), len(finalists))
+            show(f"boxes tried{_part(scale)}", len(boxes), len(finalists))
         found = [Start(q, d, turned, scale, box, reaching.quality(q)) for d, turned, q, box in boxes if box is not None]
         if found:
             enough = NEARLY * max(start.box.volume for start in found)
@@ -71,6 +71,11 @@ def choose_start(reaching: Reaching, reach_m: float, points: Direction | None, s
         "no posture was found from which the tool moves freely before the arm, pointing down or forward, clear of the "
         "table at z = 0; where something carries the arm, begin at the link on which it stands, z upwards: --base LINK"
     )
+
+
+def _part(scale: float) -> str:
+    """How much of the hand's motion is asked for, where it is not all."""
+    return f" for {scale:g} of the hand's motion" if scale < 1.0 else ""
 
 
 def _finalists(reaching: Reaching, reach_m: float, points: Direction, show: ShowProgress) -> list[tuple[bool, Array]]:

@@ -13,7 +13,7 @@ from remote_site.safety.config import CollisionConfig
 LISTED = 3
 MM = 1e3
 MB = 1e6
-FIRST_FACTOR = 0.1  # of all limits, for a first run of a real arm
+TENTH = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +38,9 @@ def summary(design: Design, source: str, written: Written) -> list[str]:
         "next:",
         f"  farhand doctor --config {toml}",
         f"  farhand loopback --config {toml}",
-        f"before a real arm moves, since it starts with its full limits; {FIRST_FACTOR:g} of them, for a first run:",
-        f"  farhand limits --config {toml} --factor {FIRST_FACTOR:g}",
-        f"  farhand remote --config {toml} --driver NAME --set robot.limits_factor={FIRST_FACTOR:g}",
+        "a real arm starts with all of these limits; for its first run, see and take a tenth of them:",
+        f"  farhand limits --config {toml} --factor {TENTH:g}",
+        f"  farhand remote --config {toml} --driver NAME --set robot.limits_factor={TENTH:g}",
     ]
 
 
@@ -77,7 +77,11 @@ def _dropped(dropped: Sequence[str]) -> list[str]:
     """At most a few of the visuals."""
     listed = [f"dropped: the visual {drop}" for drop in dropped[:LISTED]]
     more = len(dropped) - LISTED
-    return [*listed, *([f"dropped: {more} more visuals like these"] if more > 0 else [])]
+    return [
+        *listed,
+        *([f"dropped: {more} more visuals like these"] if more > 0 else []),
+        *(["shown: the collision meshes of links that have no visual left"] if dropped else []),
+    ]
 
 
 def _assumed(design: Design) -> list[str]:
