@@ -5,7 +5,7 @@ import difflib
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import UnionType
@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 import msgspec
 
-from common.errors import ConfigError
+from common.errors import ConfigError, ConfigFileError
 from common.replaced_keys import REPLACED_KEYS
 
 S = TypeVar("S", bound=msgspec.Struct)
@@ -27,7 +27,7 @@ TOML_CURES = {
     "Cannot declare": "; this table stands twice: join both, or write each table of a list in double brackets, [[...]]",
     "Invalid value": '; a word stands in quotes, as "word", a number with a point, as 0.5',
 }
-BESIDE = {"beside": True}  # Meta.extra of a path that is also looked for in the configuration's own folder
+BESIDE = "beside"  # key of Meta.extra of a path that is seen from the configuration's own folder
 KEY_LINE = re.compile(r"\s*([A-Za-z0-9_.\"-]+)\s*=")
 
 
@@ -42,7 +42,7 @@ class ConfigMistake:
 def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()) -> S:
     """Read a TOML file (None for the defaults), apply `key=value` settings over it, and check it all.
 
-    A relative path that is marked BESIDE is that of a file in the folder of `path`, where there is one of this name.
+    A relative path that is marked `beside` is seen from the folder of `path`, and from nowhere else.
     Raises ConfigError with every mistake of the file and the settings, one per line: source, what is wrong, cure.
     """
     table = read_tables(path)
@@ -57,6 +57,11 @@ def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()
     return config
 
 
+def beside(unless: Callable[[str], bool]) -> dict[str, Any]:
+    """Meta.extra of a path that is seen from the configuration's own folder, `unless` its value is no path."""
+    return {BESIDE: unless}
+
+
 def read_tables(path: Path | None) -> dict[str, Any]:
     """The tables of a TOML file, unchecked, none without a file; ConfigError when it cannot be read."""
     if path is None:
@@ -68,11 +73,12 @@ def read_tables(path: Path | None) -> dict[str, Any]:
 
 
 def _take_from_beside(struct: type[msgspec.Struct], table: dict[str, Any], folder: Path) -> None:
-    """Complete the marked paths of files that are in the folder."""
+    """Make the marked paths whole, so that they stay the same wherever a process works."""
     for row in msgspec.structs.fields(struct):
         value, notes = table.get(row.encode_name), getattr(row.type, "__metadata__", ())
-        if isinstance(value, str) and any(note.extra == BESIDE for note in notes) and (folder / value).is_file():
-            table[row.encode_name] = str(folder / value)
+        marks = [note.extra[BESIDE] for note in notes if note.extra and BESIDE in note.extra]
+        if isinstance(value, str) and value and any(not unless(value) for unless in marks):
+            table[row.encode_name] = str((folder / value).absolute())
         elif isinstance(value, dict) and isinstance(row.type, type) and issubclass(row.type, msgspec.Struct):
             _take_from_beside(row.type, value, folder)
 
@@ -180,7 +186,7 @@ def _read(path: Path) -> str:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise ConfigError(f"cannot read the configuration {path}: {error.strerror}") from error
+        raise ConfigFileError(f"cannot read the configuration {path}: {error.strerror}") from error
     if len(content) > MAX_BYTES:
         raise ConfigError(f"{path}: larger than {MAX_BYTES} bytes; give a TOML file")
     if content.startswith(codecs.BOM_UTF8):

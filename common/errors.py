@@ -9,6 +9,10 @@ class ConfigError(FarhandError):
     """A configuration is wrong; the text lists every mistake with line and cure."""
 
 
+class ConfigFileError(ConfigError):
+    """The file of a configuration cannot be read at all."""
+
+
 class MessageError(FarhandError):
     """Bytes are not a valid message; `reason` is a short word for counting rejections."""
 

@@ -30,12 +30,16 @@ def complain(error: FarhandError) -> None:
 def progress_bar() -> Iterator[ShowProgress]:
     """A bar on standard error for work that takes long; a new name of the work begins a new bar."""
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True)) as bars:
-        tasks = {}
+    bars, tasks = Progress(*columns, console=Console(stderr=True)), {}
 
-        def show(what: str, done: int, total: int | None) -> None:
-            if what not in tasks:
-                tasks[what] = bars.add_task(what, total=None)
-            bars.update(tasks[what], completed=done, total=total)
+    def show(what: str, done: int, total: int | None) -> None:
+        if what not in tasks:
+            bars.start()
+            tasks[what] = bars.add_task(what, total=None)
+        bars.update(tasks[what], completed=done, total=total)
 
+    try:
         yield show
+    finally:
+        if tasks:  # else there is nothing to end, not even a line
+            bars.stop()

@@ -11,6 +11,7 @@ from farhand.arm_import.choices.posture import Direction, Start, choose_start
 from farhand.arm_import.choices.reaching import Reaching, reach_of, touching
 from farhand.arm_import.choices.tool import GRIPPER_M
 from farhand.arm_import.prepared import PreparedArm
+from farhand.terminal import ShowProgress
 from remote_site.kinematics.config import GRIPPER, CapsuleConfig, RobotConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -81,7 +82,7 @@ def _row(point: Array) -> tuple[float, float, float]:
     return x, y, z
 
 
-def design(prepare: Prepare, load: Load, points: Direction | None, *, jerk_given: bool) -> Design:
+def design(prepare: Prepare, load: Load, points: Direction | None, show: ShowProgress, *, jerk_given: bool) -> Design:
     """Choose everything; ModelError where there is no start posture."""
     capsules = prepare((), False)
     hulls = _better_as_hulls(_touching(capsules, load), lambda: _touching(prepare(_meshed(capsules), False), load))
@@ -90,19 +91,20 @@ def design(prepare: Prepare, load: Load, points: Direction | None, *, jerk_given
     arm, numbers = load(prepared), joint_numbers(prepared.joints)
     robot = RobotConfig(acceleration_rad_s2=numbers.acceleration)
     limits = JointLimits.from_model(arm.model, robot)
+    speed = fitting_speed(limits)
     fixtures, reach_m = _table(arm, limits)
     near = touching(Reaching(arm.model, limits, arm.collision(CollisionConfig(fixtures=fixtures))))
     ignored = tuple(names for names, often in near.items() if often >= NEARLY_ALWAYS)
     collision = arm.collision(CollisionConfig(fixtures=fixtures, ignored_pairs=ignored))
     reaching = Reaching(arm.model, limits, collision)
-    start = choose_start(reaching, reach_m, points)
+    start = choose_start(reaching, reach_m, points, show)
     tool_m = arm.model.position(start.q)
     return Design(
         prepare(hulls, True) if start.turned else prepared,
         hulls,
         reach_m,
         limits,
-        fitting_speed(limits),
+        speed,
         numbers,
         fixtures,
         ignored,

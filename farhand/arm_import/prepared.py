@@ -4,10 +4,13 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
+from farhand.arm_import.choices.cell import ACCELERATION_RAD_S2
 from farhand.arm_import.choices.tool import Tool, choose_tool, with_mount
 from farhand.arm_import.description.arm import ChosenArm, Locked, fixed_to
 from farhand.arm_import.description.elements import Joint, UrdfLink, UrdfMesh, UrdfRobot
 from farhand.arm_import.shapes.links import CoveredLink, FindFile, cover_link, with_hulls
+from farhand.terminal import ShowProgress
+from remote_site.kinematics.model import ASSUMED, GIVEN
 
 TURNS_RAD = math.tau  # to each side, of a joint that turns without end
 JERK_RAD_S3 = 500.0  # of a joint whose file states none: an xArm's, as its maker states it; a Panda's is 3750 and more
@@ -41,10 +44,14 @@ class PreparedArm:
         return self.arm.locked
 
 
-def cover_links(arm: ChosenArm, find: FindFile) -> dict[str, CoveredLink]:
+def cover_links(arm: ChosenArm, find: FindFile, show: ShowProgress) -> dict[str, CoveredLink]:
     """Every link's meshes read and covered; ModelError where a collision mesh is missing."""
-    moved = {joint.child for joint in arm.joints}
-    return {name: cover_link(link, find, moves=name in moved) for name, link in arm.description.links.items()}
+    moved, links = {joint.child for joint in arm.joints}, arm.description.links
+    covered = {}
+    for name, link in links.items():
+        covered[name] = cover_link(link, find, moves=name in moved)
+        show("links covered", len(covered), len(links))
+    return covered
 
 
 def prepare(
@@ -67,7 +74,7 @@ def prepare(
         for name, each in covered.items()
     }
     tool = replace(tool, capsules=tuple(own for own in tool.capsules if own[0] not in hulls))
-    joints, notes = _joints(arm, jerk or JERK_RAD_S3)
+    joints, notes = _joints(arm, jerk)
     robot = replace(arm.description, links=_without_tool(arm, links, tool, hulls), joints=joints)
     return PreparedArm(
         with_mount(robot, arm.last_link, tool),
@@ -97,7 +104,7 @@ def _without_tool(
     return written
 
 
-def _joints(arm: ChosenArm, jerk: float) -> tuple[tuple[Joint, ...], list[str]]:
+def _joints(arm: ChosenArm, jerk: float | None) -> tuple[tuple[Joint, ...], list[str]]:
     moving = {joint.name for joint in arm.joints}
     joints, notes = [], []
     for joint in arm.description.joints:
@@ -105,15 +112,23 @@ def _joints(arm: ChosenArm, jerk: float) -> tuple[tuple[Joint, ...], list[str]]:
             joints.append(joint)
             continue
         limit = joint.limit
+        marks: dict[str, float] = {}
         if joint.kind == "continuous":
             notes.append(f"{joint.name}: turns without end; it got limits of a turn to each side")
             limit = replace(limit, lower=-TURNS_RAD, upper=TURNS_RAD)
+            marks |= {f"{ASSUMED}lower": -TURNS_RAD, f"{ASSUMED}upper": TURNS_RAD}
         if not (limit.effort or 0.0) > 0.0:
             notes.append(f"{joint.name}: the file states no effort; {EFFORT:g} N m counts in simulations")
             limit = replace(limit, effort=EFFORT)
+            marks[f"{ASSUMED}effort"] = EFFORT
+        if not limit.acceleration:
+            marks[f"{ASSUMED}acceleration"] = ACCELERATION_RAD_S2
         if limit.jerk is None:
-            limit = replace(limit, jerk=jerk)
+            limit = replace(limit, jerk=jerk or JERK_RAD_S3)
+            marks[f"{GIVEN if jerk else ASSUMED}jerk"] = jerk or JERK_RAD_S3
         if joint.mimic is not None:
             notes.append(f"{joint.name}: moves by itself here, though the file lets it follow {joint.mimic.joint}")
-        joints.append(replace(joint, kind="prismatic" if joint.kind == "prismatic" else "revolute", limit=limit))
+        joints.append(
+            replace(joint, kind="prismatic" if joint.kind == "prismatic" else "revolute", limit=limit, marks=marks)
+        )
     return tuple(joints), notes

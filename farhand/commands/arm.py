@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from common.errors import ConfigError
-from farhand.terminal import say
+from farhand.terminal import progress_bar, say
 
 arm_app = typer.Typer(help="Bring in another arm.", no_args_is_help=True)
 
@@ -60,7 +60,9 @@ def import_command(
         dict(map(_position, lock or ())),
         jerk,
     )
-    for line in import_arm(request):
+    with progress_bar() as show:
+        lines = import_arm(request, show)
+    for line in lines:
         say(line)
 
 

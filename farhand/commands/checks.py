@@ -39,7 +39,10 @@ def limits(
     config: ConfigFile = None,
     settings: Settings = None,
     factor: Annotated[
-        float | None, typer.Option("--factor", help="Show them with this robot.limits_factor; the file stays as it is.")
+        float | None,
+        typer.Option(
+            "--factor", help="Show them with this robot.limits_factor; the file stays as it is.", min=0.01, max=1
+        ),
     ] = None,
 ) -> None:
     """Print limits, tool and payload of the robot's side, where each comes from, and how long and far its stops are.

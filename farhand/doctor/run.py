@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from common.config import apply_setting, load_config, read_tables
-from common.errors import ConfigError, TransportError
+from common.errors import ConfigError, ConfigFileError, TransportError
 from common.link.config import LinkSecurity, TlsConfig, ViewersConfig
 from common.link.credentials import check_viewers
 from common.link.endpoints import check_endpoint
@@ -41,7 +41,7 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
         try:
             config = load_config(kind, path, [setting for setting in settings if kind in _sites_of(setting, kinds)])
         except ConfigError as wrong:
-            findings += [error("configuration", line, "correct that line") for line in str(wrong).splitlines()]
+            findings += _mistakes(wrong)
             continue
         name = "the default" if path is None else str(path)
         findings.append(ok("configuration", f"{name} of the {KINDS[kind]} has no mistakes"))
@@ -53,16 +53,24 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
 
 def examine_link_of(path: Path | None, settings: Sequence[str]) -> list[Finding]:
     """The link from a local site's or a console's host; without a file, that of the local site's defaults."""
-    kinds: Sequence[type[Configuration]] = [LocalConfig] if path is None else which_site(path)
     try:
+        read_tables(path)
+        kinds: Sequence[type[Configuration]] = [LocalConfig] if path is None else which_site(path)
         if LocalConfig in kinds:
             return examine_link(load_config(LocalConfig, path, settings))
         if ConsoleConfig in kinds:
             return examine_link(load_config(ConsoleConfig, path, settings))
     except ConfigError as wrong:
-        return [error("configuration", line, "correct that line") for line in str(wrong).splitlines()]
+        return _mistakes(wrong)
     cure = "give the file of a local site or a console there: --config /etc/farhand/local.toml"
     return [error("configuration", f"the link is measured from the operator's host, and {path} is not for it", cure)]
+
+
+def _mistakes(wrong: ConfigError) -> list[Finding]:
+    """A finding for each mistake of a configuration."""
+    unread = isinstance(wrong, ConfigFileError)
+    cure = "give the path of a file that is there and may be read" if unread else "correct that line"
+    return [error("configuration", line, cure) for line in str(wrong).splitlines()]
 
 
 def _sites_of(setting: str, kinds: Sequence[type[Configuration]]) -> list[type[Configuration]]:

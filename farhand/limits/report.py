@@ -6,6 +6,7 @@ import numpy as np
 
 from common.clock import NS_PER_MS
 from common.geometry import Array
+from farhand.limits.sources import FILE, assumed_in_configuration, file_source
 from farhand.limits.tables import figure, table
 from farhand.limits.tool_rows import tool_rows
 from remote_site.config import RemoteConfig
@@ -19,7 +20,6 @@ from remote_site.session.age_limit import AgeLimit, speed_scale_at
 MS = MM = 1000.0
 SPEEDS_RAD_S = (0.5, 1.0)  # beside full speed
 TICKS = 2  # from the tick that finds a sample too old to the first command of the stop that a robot obeys
-FILE = "the arm's file"
 
 
 def limits_report(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> list[str]:
@@ -48,13 +48,13 @@ def limits_report(config: RemoteConfig, model: ArmModel, limits: JointLimits) ->
 def _limits_table(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> list[str]:
     allowed_ms = config.safety.longest_stop_ms
     rows = [
-        ("lowest, deg", np.degrees(limits.lower), _position_source(config)),
-        ("highest, deg", np.degrees(limits.upper), _position_source(config)),
+        ("lowest, deg", np.degrees(limits.lower), _position_source(config, file_source(model, "lower", model.lower))),
+        ("highest, deg", np.degrees(limits.upper), _position_source(config, file_source(model, "upper", model.upper))),
         ("speed, rad/s", limits.velocity, _speed_source(config)),
         ("acceleration, rad/s²", limits.acceleration, _acceleration_source(config, model)),
         ("jerk, rad/s³", limits.jerk, _jerk_source(config, model)),
         ("longest stop, ms", MS * np.array(longest_stops(limits)), f"the three above; {allowed_ms:g} are allowed"),
-        ("effort, N m", model.effort, f"{FILE}; Farhand commands none"),
+        ("effort, N m", model.effort, f"{file_source(model, 'effort', model.effort)}; Farhand commands none"),
     ]
     head = ["limit", *limits.names, "from"]
     return table(head, ([name, *map(figure, values.tolist()), source] for name, values, source in rows))
@@ -75,30 +75,33 @@ def _speed_source(config: RemoteConfig) -> str:
     return (FILE if speed == 1 else f"robot.speed = {speed:g} of {FILE}") + _times_factor(config)
 
 
-def _position_source(config: RemoteConfig) -> str:
+def _position_source(config: RemoteConfig, own: str) -> str:
     robot = config.robot
-    tightened = f"robot.position_deg for {', '.join(robot.position_deg)}, else {FILE}" if robot.position_deg else FILE
+    tightened = f"robot.position_deg for {', '.join(robot.position_deg)}, else {own}" if robot.position_deg else own
     margin = robot.position_margin_deg
     return f"{tightened}, less robot.position_margin_deg = {margin:g}" if margin else tightened
 
 
 def _acceleration_source(config: RemoteConfig, model: ArmModel) -> str:
-    return f"robot.acceleration_rad_s2{_times_factor(config)}; {_bound(model.acceleration)}"
+    wanted = np.array(config.robot.acceleration_rad_s2) * np.ones(len(model.joint_names))
+    assumed = assumed_in_configuration(model, "acceleration", wanted)
+    return f"robot.acceleration_rad_s2{assumed}{_times_factor(config)}; {_bound(model.acceleration, FILE)}"
 
 
 def _jerk_source(config: RemoteConfig, model: ArmModel) -> str:
-    times = _times_factor(config)
+    times, own = _times_factor(config), file_source(model, "jerk", model.jerk)
     if not isinstance(config.robot.jerk_rad_s3, str):
-        return f"robot.jerk_rad_s3{times}; {_bound(model.jerk)}"
-    return (FILE if not model.without_jerk else f"{UNSTATED_JERK_RAD_S3:g} where {FILE} states none") + times
+        return f"robot.jerk_rad_s3{times}; {_bound(model.jerk, own)}"
+    return (own if not model.without_jerk else f"{UNSTATED_JERK_RAD_S3:g} where {FILE} states none") + times
 
 
-def _bound(own: Array) -> str:
-    """What the arm's file allows."""
+def _bound(own: Array, source: str) -> str:
+    """What the arm's file allows, whose values are of this source."""
     if not np.isfinite(own).all():
         return f"{FILE} states none"
     least, most = figure(own.min()), figure(own.max())
-    return f"{FILE} allows {least}" if least == most else f"{FILE} allows {least} to {most}"
+    allowed = least if least == most else f"{least} to {most}"
+    return f"{FILE} allows {allowed}" + (f" ({source})" if source != FILE else "")
 
 
 def _stops_table(limits: JointLimits, levers: Sequence[float], speeds: Sequence[float]) -> list[str]:

@@ -30,7 +30,7 @@ def _capsule_rows(robot: RobotConfig) -> list[Row]:
     """A row for each link that carries capsules."""
     if not robot.capsules:
         return [("capsules around the tool", "none: a bare flange", "robot.capsules")]
-    source = "robot.capsules" + (", by default the A465's gripper" if robot.capsules == GRIPPER else "")
+    source = "robot.capsules" + (_whose(robot) if robot.capsules == GRIPPER else "")
     carried = [(capsule.link or robot.tool_frame, _reach_m(capsule)) for capsule in robot.capsules]
     rows = []
     for link, group in groupby(sorted(carried), key=lambda item: item[0]):
@@ -38,6 +38,12 @@ def _capsule_rows(robot: RobotConfig) -> list[Row]:
         extent = f"{len(reaches_m)}, up to {MM * max(reaches_m):.0f} mm from its origin"
         rows.append((f"capsules on {link}", extent, source))
     return rows
+
+
+def _whose(robot: RobotConfig) -> str:
+    """Of the gripper that counts where none is given, which is the A465's own alone."""
+    default = robot.model == RobotConfig().model
+    return ", by default the A465's gripper" if default else ", the A465's gripper: assumed, give your own"
 
 
 def _reach_m(capsule: CapsuleConfig) -> float:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
+from xml.etree import ElementTree
 
 import msgspec
 
@@ -11,6 +12,7 @@ from common.recording.folder import parts_from
 from common.recording.reader import RecordingReader
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
+from remote_site.kinematics.meshes import place_meshes
 from remote_site.recording.cycle_record import CycleOutcome, decode_input, decode_outcome
 from remote_site.recording.kept_config import decode_config
 from remote_site.recording.topics import CYCLE_INPUT, CYCLE_OUTCOME
@@ -50,11 +52,16 @@ def recorded_config(recording: RecordingReader, folder: Path) -> RemoteConfig:
 
 
 def with_urdf(config: RemoteConfig, urdf: bytes, folder: Path) -> RemoteConfig:
-    """The configuration with the recorded URDF, written into `folder` unless the one that it names is the same."""
+    """The configuration with the recorded URDF, written into `folder` unless the one that it names is the same.
+
+    Its meshes stay those of the folder where it was recorded.
+    """
     if config.robot.urdf.is_file() and config.robot.urdf.read_bytes() == urdf:
         return config
     written = folder / URDF_FILE
-    written.write_bytes(urdf)
+    robot = ElementTree.fromstring(urdf)  # noqa: S314  # as the recorded site read it
+    place_meshes(config.robot.urdf.parent, robot.iter("mesh"))
+    written.write_bytes(ElementTree.tostring(robot))
     return msgspec.structs.replace(config, robot=msgspec.structs.replace(config.robot, model=str(written)))
 
 

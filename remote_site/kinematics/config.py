@@ -8,13 +8,18 @@ import msgspec
 import numpy as np
 from msgspec import Meta, field
 
-from common.config import BESIDE
+from common.config import beside
 from common.geometry import Array, transform
 
 MODELS = Path(__file__).parents[1] / "models"
 UNSTATED_JERK_RAD_S3 = 100.0  # of an arm whose file states none
 OWN: Literal["own"] = "own"
 Row3 = tuple[float, float, float]
+
+
+def is_built_in(model: str) -> bool:
+    """Whether a model that Farhand brings has this name."""
+    return Path(model).name == model and (MODELS / model / f"{model}.urdf").exists()
 
 
 class BranchConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -90,9 +95,8 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         str,
         Meta(
             min_length=1,
-            description="a built-in model by name, or the path of a URDF: beside this file, or as seen from where the "
-            "site starts",
-            extra=BESIDE,
+            description="a built-in model by name, or the path of a URDF as seen from this file's folder",
+            extra=beside(unless=is_built_in),
         ),
     ] = "a465"
     tool_frame: Annotated[str, Meta(min_length=1, description="URDF frame that carries the tool")] = "tool0"
@@ -144,8 +148,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     @property
     def urdf(self) -> Path:
         """The model's file."""
-        built_in = MODELS / self.model / f"{self.model}.urdf"
-        return built_in if built_in.exists() else Path(self.model)
+        return MODELS / self.model / f"{self.model}.urdf" if is_built_in(self.model) else Path(self.model)
 
     @property
     def tool_T_tcp(self) -> Array:

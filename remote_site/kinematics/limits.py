@@ -6,9 +6,9 @@ from typing import Self
 
 import numpy as np
 
-from common.errors import ConfigError
+from common.errors import ConfigError, ModelError
 from common.geometry import Array
-from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3, RobotConfig
+from remote_site.kinematics.config import MODELS, UNSTATED_JERK_RAD_S3, RobotConfig
 from remote_site.kinematics.model import ArmModel
 
 TARGET_SPEED = 0.9  # of a joint's speed, for its target: the joint must be quicker to catch it
@@ -94,8 +94,20 @@ def _positions(model: ArmModel, config: RobotConfig) -> tuple[Array, Array]:
 
 def load_arm(config: RobotConfig) -> tuple[ArmModel, JointLimits]:
     """The configured arm and its limits; ModelError or ConfigError where either cannot be built."""
-    model = ArmModel.from_urdf(config.urdf, config.tool_frame, config.tool_T_tcp)
+    model = load_model(config)
     return model, JointLimits.from_model(model, config)
+
+
+def load_model(config: RobotConfig) -> ArmModel:
+    """The configured arm; ModelError says where its file was looked for, or why it cannot be used."""
+    if not config.urdf.is_file():
+        built_in = ", ".join(sorted(path.name for path in MODELS.iterdir() if path.is_dir()))
+        raise ModelError(
+            f"robot.model {config.model!r} is neither a built-in model ({built_in}) nor the file of a URDF: there is "
+            f"no {config.urdf.absolute()}; put it there, or give its path, in a configuration as seen from the "
+            "configuration's folder, in --set from the working folder"
+        )
+    return ArmModel.from_urdf(config.urdf, config.tool_frame, config.tool_T_tcp)
 
 
 def _accelerations(model: ArmModel, config: RobotConfig) -> Array:

@@ -14,6 +14,8 @@ from common.geometry import Array
 from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
 
 IMPORT = "farhand arm import {urdf} --out arm.toml"  # makes what Farhand reads of a URDF as its maker publishes it
+# Before the name of a <limit>'s attribute: the value that the import gave it, counting until it is corrected there.
+ASSUMED, GIVEN = "assumed_", "given_"
 BOUNDED_JOINTS = ("JointModelR", "JointModelP")
 BOUNDED = ("revolute", "prismatic")  # URDF joint types that must have limits
 MOVING = (*BOUNDED, "continuous")
@@ -41,6 +43,7 @@ class ArmModel:
         """`limits` are the attributes of each joint's <limit>, of which pinocchio does not read all."""
         self.acceleration: Array = np.array([float(limit.get("acceleration", "inf")) for limit in limits])
         self.jerk: Array = np.array([float(limit.get("jerk", UNSTATED_JERK_RAD_S3)) for limit in limits])
+        self._stated = limits
         self.pin_model = model
         self.joint_names = tuple(model.names)[1:]
         stated = zip(self.joint_names, limits, strict=True)
@@ -71,6 +74,11 @@ class ArmModel:
         placement = parent.placement * pin.SE3(tool_T_tcp)
         tcp = pin.Frame("tool_centre_point", parent.parentJoint, parent_id, placement, pin.FrameType.OP_FRAME)
         return cls(model, int(model.addFrame(tcp)), [_limit(written[name]) for name in tuple(model.names)[1:]])
+
+    def marked(self, mark: str, key: str) -> dict[str, float]:
+        """By joint the values that a URDF marks as ASSUMED or GIVEN by the import, of one attribute of its limits."""
+        stated = zip(self.joint_names, self._stated, strict=True)
+        return {name: _number(limit[mark + key]) for name, limit in stated if mark + key in limit}
 
     def forward(self, q: Array) -> Array:
         """The tool centre point's pose `base_T_tool` (4 x 4) at joint positions (n,) in rad."""

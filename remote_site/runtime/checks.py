@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TypeVar
 
 import structlog
@@ -11,8 +10,8 @@ import structlog
 from common.errors import ConfigError, ModelError
 from common.geometry import Array
 from remote_site.config import RemoteConfig
-from remote_site.kinematics.config import MODELS, RobotConfig
-from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.config import RobotConfig
+from remote_site.kinematics.limits import JointLimits, load_model
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.safety.collision import CollisionModel
@@ -65,7 +64,7 @@ def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
     loading, robot = _Loading(), config.robot
     loading.load("video", f"{H264_CURE}, or video.codec = 'auto'", lambda: can_encode(config.video.codec))
     loading.load("mapping", "correct the table [mapping]", lambda: make_mapping(config.mapping))
-    model = loading.load("robot", "correct robot.model and robot.tool_frame, or that URDF", lambda: _model(robot))
+    model = loading.load("robot", "correct robot.model and robot.tool_frame, or that URDF", lambda: load_model(robot))
     if model is not None:
         _load_with(model, config, loading)
     return loading.mistakes
@@ -73,7 +72,7 @@ def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
 
 def find_unguarded(config: RemoteConfig) -> tuple[str, ...]:
     """What a configuration without mistakes leaves unguarded, part by part."""
-    return unguarded(config.robot, config.safety, _model(config.robot))
+    return unguarded(config.robot, config.safety, load_model(config.robot))
 
 
 def say_what_is_not_guarded(config: RemoteConfig) -> None:
@@ -104,16 +103,6 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
     loading.load("kinematics", solvers, lambda: choose_target_tracker(robot, prediction(config), model, limits))
     if config.cell_is_simulated or config.views_are_simulated:
         loading.load("simulated cell", "correct [simulation], or that URDF", lambda: _build_simulation(config))
-
-
-def _model(robot: RobotConfig) -> ArmModel:
-    if not robot.urdf.is_file():
-        built_in = ", ".join(sorted(path.name for path in MODELS.iterdir() if path.is_dir()))
-        raise ModelError(
-            f"robot.model {robot.model!r} is neither a built-in model ({built_in}) nor the file of a URDF; "
-            f"give its absolute path, or one as seen from {Path.cwd()}"
-        )
-    return ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
 
 
 def _start(robot: RobotConfig, limits: JointLimits) -> Array:

@@ -3,6 +3,7 @@
 import itertools
 import math
 from pathlib import Path
+from xml.etree import ElementTree
 
 import coal
 import numpy as np
@@ -11,6 +12,7 @@ import pinocchio as pin
 from common.errors import ConfigError, ModelError
 from common.geometry import Array
 from remote_site.kinematics.config import CapsuleConfig
+from remote_site.kinematics.meshes import check_meshes, place_meshes, words_of
 from remote_site.kinematics.model import IMPORT, ArmModel
 from remote_site.safety.config import CollisionConfig, FixtureConfig
 
@@ -22,13 +24,10 @@ def read_shapes(
 ) -> pin.GeometryModel:
     """The collision elements of a URDF, the configured capsules, and the fixtures, with all pairs to measure.
 
-    A cylinder of the URDF counts as the capsule around it. ConfigError names a link that the arm does not have.
+    A cylinder of the URDF counts as the capsule around it. ConfigError names a link that the arm does not have,
+    ModelError a mesh that is missing or cannot be read.
     """
-    try:
-        shapes = pin.buildGeomFromUrdf(model.pin_model, str(path), pin.GeometryType.COLLISION)
-    except (ValueError, RuntimeError) as error:
-        cure = f"let Farhand find the meshes: {IMPORT.format(urdf=path)}"
-        raise ModelError(f"cannot read the collision elements of {path}: {error}; {cure}") from error
+    shapes = _read_collisions(path, model)
     for shape in shapes.geometryObjects:
         shape.geometry = _smooth(shape.geometry)
     for k, capsule in enumerate(capsules):
@@ -37,6 +36,20 @@ def read_shapes(
         shapes.addGeometryObject(_box(fixture))
     _add_pairs(model.pin_model, shapes, config)
     return shapes
+
+
+def _read_collisions(path: Path, model: ArmModel) -> pin.GeometryModel:
+    """The collision elements of a URDF as they are; ModelError says which mesh stands against it."""
+    try:
+        robot = ElementTree.parse(path).getroot()  # noqa: S314  # the robot model is the site's own
+        meshes = robot.findall("link/collision/geometry/mesh")
+        place_meshes(path.parent, meshes)
+        check_meshes(path, meshes)
+        text = ElementTree.tostring(robot, encoding="unicode")
+        return pin.buildGeomFromUrdfString(model.pin_model, text, pin.GeometryType.COLLISION)
+    except (OSError, ElementTree.ParseError, ValueError, RuntimeError) as error:
+        cure = f"give meshes as STL, OBJ or Collada, or let Farhand find them: {IMPORT.format(urdf=path)}"
+        raise ModelError(f"cannot read the collision elements of {path}: {words_of(error)}; {cure}") from error
 
 
 def shape_name(model: pin.Model, shape: pin.GeometryObject) -> str:

@@ -10,6 +10,7 @@ import mujoco
 from common.errors import ModelError
 from common.geometry import Array
 from remote_site.kinematics.config import RobotConfig
+from remote_site.kinematics.meshes import check_meshes, place_meshes
 from remote_site.kinematics.model import IMPORT
 from remote_site.simulation.appearance.dressing import dress
 from remote_site.simulation.appearance.surfaces import PaintedSurface
@@ -96,18 +97,14 @@ def _read_arm(urdf: Path) -> mujoco.MjSpec:
             if link.find("visual") is not None:  # then its collision elements are for clearance, not for contact
                 for hull in link.findall("collision"):
                     link.remove(hull)
-        for mesh in robot.iter("mesh"):
-            mesh.set("filename", _beside(urdf, mesh.get("filename", "")))
+        meshes = list(robot.iter("mesh"))
+        place_meshes(urdf.parent, meshes)
+        check_meshes(urdf, meshes)
         extension = ElementTree.SubElement(robot, "mujoco")
         ElementTree.SubElement(extension, "compiler", discardvisual="false", fusestatic="false", strippath="false")
         return mujoco.MjSpec.from_string(ElementTree.tostring(robot, encoding="unicode"))
     except (OSError, ElementTree.ParseError, ValueError) as error:
         raise ModelError(f"{urdf}: MuJoCo cannot read this robot: {error}") from error
-
-
-def _beside(urdf: Path, filename: str) -> str:
-    """A mesh's file as seen from where the URDF is; other addresses as they are."""
-    return filename if "://" in filename else str(urdf.parent / filename)
 
 
 def _dress_arm(spec: mujoco.MjSpec, arm: ArmConfig, joints: Sequence[str]) -> None:

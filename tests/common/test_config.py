@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import msgspec
 import pytest
 
-from common.config import BESIDE, load_config
+from common.config import beside, load_config
 from common.errors import ConfigError
 
 
@@ -187,7 +187,7 @@ def test_a_list_of_tables_is_read_and_its_length_is_checked(tmp_path: Path) -> N
 
 
 class Model(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    file: Annotated[str, msgspec.Meta(extra=BESIDE)] = "built-in"
+    file: Annotated[str, msgspec.Meta(extra=beside(unless=lambda value: value == "built-in"))] = "built-in"
     name: str = ""
 
 
@@ -195,10 +195,18 @@ class WithModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     model: Model = Model()
 
 
-def test_a_marked_path_is_that_of_a_file_beside_the_configuration_where_there_is_one(tmp_path):
+def test_a_marked_path_is_seen_from_the_configurations_folder_and_from_nowhere_else(tmp_path, monkeypatch):
+    work = tmp_path / "work"
+    work.mkdir()
+    (work / "arm.urdf").touch()
+    monkeypatch.chdir(work)
     path = write(tmp_path, '[model]\nfile = "arm.urdf"\nname = "arm.urdf"')
-    assert load_config(WithModel, path).model == Model(file="arm.urdf", name="arm.urdf")
-    (tmp_path / "arm.urdf").touch()
-    assert load_config(WithModel, path).model == Model(file=str(tmp_path / "arm.urdf"), name="arm.urdf")
+    for seen in (path, Path("..") / path.name):
+        found = load_config(WithModel, seen).model
+        assert Path(found.file).is_absolute()
+        assert Path(found.file).resolve() == (tmp_path / "arm.urdf").resolve()
+        assert found.name == "arm.urdf"
     assert load_config(WithModel, path, ["model.file=arm.urdf"]).model.file == "arm.urdf"
     assert load_config(WithModel, None).model.file == "built-in"
+    for kept in ("built-in", "/opt/arm.urdf"):
+        assert load_config(WithModel, write(tmp_path, f'[model]\nfile = "{kept}"')).model.file == kept

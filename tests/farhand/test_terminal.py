@@ -12,7 +12,7 @@ from farhand.cli import main
 from farhand.doctor.findings import as_text, warning
 from farhand.loopback.display import LiveSummary
 from farhand.loopback.recorder import Record
-from farhand.terminal import complain, say
+from farhand.terminal import complain, progress_bar, say
 from remote_site.drivers.conformance.verdicts import Verdict
 from tests.common.messages.golden_examples import HAND, STATE
 
@@ -105,6 +105,20 @@ def test_a_run_of_both_sites_shows_every_word_of_theirs(capsys: pytest.CaptureFi
     told = capsys.readouterr().err
     assert SHOWN in told
     assert not set(told) & set("\x1b\x07\u202e")
+
+
+def test_a_bar_is_on_standard_error_and_nothing_is_where_no_work_was_shown(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with progress_bar():
+        pass
+    assert capsys.readouterr() == ("", "")
+    with progress_bar() as show:
+        show("links covered", 3, 4)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "links covered" in err
+    assert "3/4" in err
 
 
 def test_what_is_said_is_said_as_it_is_where_nothing_is_hidden(capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from common.errors import ModelError
 from common.geometry import Array
 from farhand.arm_import.description.elements import Joint
 from remote_site.kinematics.limits import JointLimits
@@ -69,10 +70,16 @@ def _acceleration(joint: Joint) -> float:
 
 
 def fitting_speed(limits: JointLimits) -> float:
-    """The fraction of its own speed from which every joint stops in time."""
-    fractions = [percent / 100 for percent in range(100, 0, -1)]
-    return next(
-        f for f in fractions if max(longest_stops(limits.scaled_speed(f))) <= LONGEST_STOP_S or f == fractions[-1]
+    """The fraction of its own speed from which every joint stops in time; ModelError where none is small enough."""
+    for percent in range(100, 0, -1):
+        stops = longest_stops(limits.scaled_speed(percent / 100))
+        if max(stops) <= LONGEST_STOP_S:
+            return percent / 100
+    k = stops.index(max(stops))
+    raise ModelError(
+        f"{limits.names[k]} would take {1e3 * stops[k]:.0f} ms to stop from a hundredth of its speed, with "
+        f"{limits.acceleration[k]:g} rad/s² and {limits.jerk[k]:g} rad/s³; {1e3 * LONGEST_STOP_S:.0f} ms are allowed: "
+        "give the jerk as the maker states it, 500 rad/s³ and more for most arms, by --jerk where the URDF states none"
     )
 
 

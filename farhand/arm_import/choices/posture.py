@@ -13,6 +13,7 @@ from common.errors import ModelError
 from common.geometry import Array, transform
 from farhand.arm_import.choices.box import ReachedBox, choose_box
 from farhand.arm_import.choices.reaching import WORST_CONDITION, PostureQuality, Reaching
+from farhand.terminal import ShowProgress
 
 Direction = Literal["down", "forward"]
 DIRECTIONS: tuple[Direction, ...] = ("down", "forward")
@@ -53,26 +54,34 @@ class Start:
     quality: PostureQuality
 
 
-def choose_start(reaching: Reaching, reach_m: float, points: Direction | None = None) -> Start:
+def choose_start(reaching: Reaching, reach_m: float, points: Direction | None, show: ShowProgress) -> Start:
     """The best start posture of those with nearly the largest box; ModelError where there is none."""
     directions = DIRECTIONS if points is None else (points,)
-    finalists = [(d, *found) for d in directions for found in _finalists(reaching, reach_m, d)]
+    finalists = [(d, *found) for d in directions for found in _finalists(reaching, reach_m, d, show)]
     for scale in SCALES:
-        boxes = [(*finalist, choose_box(reaching, finalist[-1], reach_m, scale)) for finalist in finalists]
+        boxes = []
+        for finalist in finalists:
+            boxes.append((*finalist, choose_box(reaching, finalist[-1], reach_m, scale)))
+            show(f"boxes tried{_part(scale)}", len(boxes), len(finalists))
         found = [Start(q, d, turned, scale, box, reaching.quality(q)) for d, turned, q, box in boxes if box is not None]
         if found:
             enough = NEARLY * max(start.box.volume for start in found)
             return next(start for start in found if start.box.volume >= enough)
     raise ModelError(
         "no posture was found from which the tool moves freely before the arm, pointing down or forward, clear of the "
-        "table at z = 0; an arm needs six joints or more, and its base's z upwards: say where it begins with --base"
+        "table at z = 0; where something carries the arm, begin at the link on which it stands, z upwards: --base LINK"
     )
 
 
-def _finalists(reaching: Reaching, reach_m: float, points: Direction) -> list[tuple[bool, Array]]:
+def _part(scale: float) -> str:
+    """How much of the hand's motion is asked for, where it is not all."""
+    return f" for {scale:g} of the hand's motion" if scale < 1.0 else ""
+
+
+def _finalists(reaching: Reaching, reach_m: float, points: Direction, show: ShowProgress) -> list[tuple[bool, Array]]:
     """Whether the tool is turned, and the posture, of the best that differ from each other."""
     chosen: list[tuple[bool, Array]] = []
-    for _, turned, q in sorted(_candidates(reaching, reach_m, points), key=lambda found: found[0]):
+    for _, turned, q in sorted(_candidates(reaching, reach_m, points, show), key=lambda found: found[0]):
         if all(np.abs(q - other).max() > APART_RAD for _, other in chosen):
             chosen.append((turned, q))
         if len(chosen) == FINALISTS:
@@ -80,11 +89,15 @@ def _finalists(reaching: Reaching, reach_m: float, points: Direction) -> list[tu
     return chosen
 
 
-def _candidates(reaching: Reaching, reach_m: float, points: Direction) -> Iterator[tuple[float, bool, Array]]:
+def _candidates(
+    reaching: Reaching, reach_m: float, points: Direction, show: ShowProgress
+) -> Iterator[tuple[float, bool, Array]]:
     """Postures with their costs, and whether the tool is turned in them."""
     seeds = np.array(list(reaching.postures(TRIED)))
     poses = np.array([reaching.model.forward(q) for q in seeds])
-    for ahead, high, turned in itertools.product(AHEAD, HIGH, (False, True)):
+    places = list(itertools.product(AHEAD, HIGH, (False, True)))
+    for tried, (ahead, high, turned) in enumerate(places, start=1):
+        show(f"start postures tried, the tool {points}", tried, len(places))
         rotation = BASE_R_TOOL[points] @ (HALF_TURN if turned else np.eye(3))
         target = transform(rotation, np.array([ahead * reach_m, 0.0, high * reach_m]))
         for seed in seeds[_nearest(poses, target)]:

@@ -15,6 +15,7 @@ MOVING = ("revolute", "continuous", "prismatic")
 FREE = ("floating", "planar", "spherical")
 FINGER = re.compile(r"finger|jaw|knuckle|thumb|claw", re.IGNORECASE)
 GRIPPER = re.compile(r"grip", re.IGNORECASE)  # of a joint that opens one; its link may be the hand that a wrist turns
+SIX = 6  # joints that hold a tool in any direction
 LONG = 3  # moving joints of a branch that is an arm and no finger
 TOOL_NAMES = (r"tcp|tool_?cent|grasp", r"tool0$", r"tool|end_?eff|(^|_)ee($|_)|eef", r"flange|hand$")
 
@@ -81,8 +82,18 @@ def _rooted(whole: UrdfRobot, base: str | None) -> UrdfRobot:
 def _check_frame(robot: UrdfRobot, name: str, option: str) -> None:
     if name not in robot.links:
         near = difflib.get_close_matches(name, robot.links, n=1, cutoff=0.4)
-        meant = f"; did you mean {near[0]}?" if near else ""
-        raise ConfigError(f"{option} {name}: there is no such frame{meant} The frames are {', '.join(robot.links)}")
+        meant = f"did you mean {near[0]}? The frames are" if near else "the frames are"
+        raise ConfigError(f"{option} {name}: there is no such frame; {meant} {', '.join(robot.links)}")
+
+
+def check_joints(arm: ChosenArm) -> None:
+    """ModelError for an arm that cannot hold its tool in any direction."""
+    if len(arm.joints) < SIX:
+        names = ", ".join(joint.name for joint in arm.joints)
+        raise ModelError(
+            f"the arm to {arm.tool} has {len(arm.joints)} moving joints ({names}), and to lead a tool like a hand "
+            f"takes {SIX} or more; where the file has such an arm, name the frame at its end: --tool FRAME"
+        )
 
 
 def _check_way(way: list[Joint]) -> None:
@@ -145,8 +156,10 @@ def _trunk(robot: UrdfRobot) -> list[Joint]:
     while ahead := _next_moving(robot, link):
         if len(ahead) > 1:
             ahead = [joint for joint in ahead if _depth(robot, joint) >= LONG]
+        if len(ahead) > 1 and len(trunk) >= SIX:
+            break  # they are the fingers of a hand
         if len(ahead) > 1:
-            ends = [_tool_of(robot, _end_of(robot, joint)) for joint in ahead]
+            ends = [_tool_of(robot, _end_of(robot, joint, len(trunk) + 1)) for joint in ahead]
             raise ModelError(
                 f"{len(ahead)} chains begin at {link} ({', '.join(j.name for j in ahead)}); say which is the arm by "
                 f"the frame of its tool: {' or '.join(f'--tool {end}' for end in ends)}"
@@ -158,10 +171,12 @@ def _trunk(robot: UrdfRobot) -> list[Joint]:
     return trunk
 
 
-def _end_of(robot: UrdfRobot, joint: Joint) -> str:
-    """The last link of the longest chain from a joint on."""
+def _end_of(robot: UrdfRobot, joint: Joint, moving: int) -> str:
+    """The last link of the longest chain from a joint on, the last of so many; an arm ends where its hand begins."""
     ahead = _next_moving(robot, joint.child)
-    return _end_of(robot, max(ahead, key=lambda j: _depth(robot, j))) if ahead else joint.child
+    if not ahead or (len(ahead) > 1 and moving >= SIX):
+        return joint.child
+    return _end_of(robot, max(ahead, key=lambda j: _depth(robot, j)), moving + 1)
 
 
 def fixed_to(robot: UrdfRobot, link: str, stops: Callable[[Joint], bool] = lambda j: j.kind != "fixed") -> list[str]:

@@ -1,6 +1,6 @@
 """A URDF's links and joints as values, in the file's order; pure."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal, TypeAlias
 
@@ -96,7 +96,10 @@ JointKind: TypeAlias = Literal["fixed", "revolute", "continuous", "prismatic", "
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
-    """A joint: its frame (4 x 4) in the parent link's, and the axis (3,) in its own."""
+    """A joint: its frame (4 x 4) in the parent link's, and the axis (3,) in its own.
+
+    `marks` are what <limit> says of its own values besides: which were assumed, and as what.
+    """
 
     name: str
     kind: JointKind
@@ -108,6 +111,7 @@ class Joint:
     mimic: Mimic | None = None
     damping: float = 0.0
     friction: float = 0.0
+    marks: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -25,9 +25,11 @@ from farhand.arm_import.description.elements import (
     UrdfMesh,
     UrdfRobot,
 )
+from remote_site.kinematics.model import ASSUMED
 
 Element = ElementTree.Element
 XACRO = "xacro"
+ASSUMABLE = ("effort", "jerk")
 TURNING = ("revolute", "prismatic", "continuous")
 
 
@@ -145,7 +147,13 @@ def _limit(element: Element | None, where: str) -> Limit:
     if element is None:
         return Limit()
     keys = ("lower", "upper", "velocity", "effort", "acceleration", "jerk")
-    return Limit(**{key: _number(element.get(key), where) for key in keys if element.get(key) is not None})
+    stated = [key for key in keys if element.get(key) is not None and not _is_assumed(element, key)]
+    return Limit(**{key: _number(element.get(key), where) for key in stated})
+
+
+def _is_assumed(element: Element, key: str) -> bool:
+    """Whether an earlier import assumed this, since its maker's file states none."""
+    return key in ASSUMABLE and element.get(key) == element.get(f"{ASSUMED}{key}")
 
 
 def _mimic(element: Element | None, where: str) -> Mimic | None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from common.errors import ModelError
 from common.geometry import Array
+from remote_site.kinematics.meshes import words_of
 
 SHOWN = (".stl", ".obj")  # formats that MuJoCo decodes
 MOST_SHOWN = 200_000  # triangles of an STL file that MuJoCo takes
@@ -29,7 +30,7 @@ def read_triangles(path: Path, scale: Sequence[float]) -> Array:
         vertices = np.array(mesh.vertices(), dtype=float)
         corners = np.array([[t[0], t[1], t[2]] for t in map(mesh.tri_indices, range(mesh.num_tris))], dtype=int)
     except (ValueError, RuntimeError, OSError) as error:
-        said = str(error).strip().splitlines()[-1]
+        said = words_of(error)
         raise ModelError(f"the mesh {path} cannot be read: {said}; give it as STL, OBJ or Collada") from error
     if not len(corners) or not np.isfinite(vertices).all():
         raise ModelError(f"the mesh {path} has no surface; give it as STL, OBJ or Collada")

@@ -1,6 +1,7 @@
 """What an import did, to be read by who asked for it; pure."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,16 +12,35 @@ from remote_site.safety.config import CollisionConfig
 
 LISTED = 3
 MM = 1e3
+MB = 1e6
+TENTH = 0.1
 
 
-def summary(design: Design, source: str, urdf: str, toml: str) -> list[str]:
+@dataclass(frozen=True, slots=True)
+class Written:
+    """The files of an import, and of the folder `meshes` how many there are and of how many bytes together."""
+
+    toml: str
+    urdf: str
+    meshes: str
+    count: int
+    size: int
+
+
+def summary(design: Design, source: str, written: Written) -> list[str]:
     """The lines: what was imported, locked, dropped, assumed and computed, and what to do next."""
+    toml = written.toml
+    meshes = f", {written.meshes} ({written.count} meshes, {written.size / MB:.1f} MB)" if written.count else ""
     return [
-        f"imported {source} as {toml} and {urdf}",
+        f"imported: {source}",
+        f"written: {toml}, {written.urdf}{meshes}; to move them, keep them together in one folder",
         *changes(design),
         "next:",
         f"  farhand doctor --config {toml}",
         f"  farhand loopback --config {toml}",
+        "a real arm starts with all of these limits; for its first run, see and take a tenth of them:",
+        f"  farhand limits --config {toml} --factor {TENTH:g}",
+        f"  farhand remote --config {toml} --driver NAME --set robot.limits_factor={TENTH:g}",
     ]
 
 
@@ -57,7 +77,11 @@ def _dropped(dropped: Sequence[str]) -> list[str]:
     """At most a few of the visuals."""
     listed = [f"dropped: the visual {drop}" for drop in dropped[:LISTED]]
     more = len(dropped) - LISTED
-    return [*listed, *([f"dropped: {more} more visuals like these"] if more > 0 else [])]
+    return [
+        *listed,
+        *([f"dropped: {more} more visuals like these"] if more > 0 else []),
+        *(["shown: the collision meshes of links that have no visual left"] if dropped else []),
+    ]
 
 
 def _assumed(design: Design) -> list[str]:

@@ -1,7 +1,7 @@
 """An arm as the text of a URDF, in which only its joints move; pure."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -85,12 +85,12 @@ def _joint(joint: Joint) -> list[str]:
     ends = f"<parent link={quoteattr(joint.parent)}/><child link={quoteattr(joint.child)}/>"
     inside = [f"    {ends}{_origin(joint.parent_T_joint)}"]
     if joint.kind != "fixed":
-        inside.append(f"    <axis xyz={_attribute(joint.axis.tolist())}/>{_limit(joint.limit)}")
+        inside.append(f"    <axis xyz={_attribute(joint.axis.tolist())}/>{_limit(joint.limit, joint.marks)}")
     return [head, *inside, "  </joint>"]
 
 
-def _limit(limit: Limit) -> str:
-    stated = {key: getattr(limit, key) for key in Limit.__dataclass_fields__}
+def _limit(limit: Limit, marks: Mapping[str, float]) -> str:
+    stated = {key: getattr(limit, key) for key in Limit.__dataclass_fields__} | dict(marks)
     given = " ".join(f"{key}={_attribute([value])}" for key, value in stated.items() if value is not None)
     return f"<limit {given}/>"
 

@@ -39,6 +39,10 @@ FLANGE = """
   <link name="tool0"/>"""
 
 
+def unseen(what: str, done: int, total: int | None) -> None:
+    """Show no progress."""
+
+
 def publish(folder: Path, *, end: str = FINGERS) -> Path:
     """The URDF of a six-axis arm in a package of this folder, its collision meshes beside it."""
     package = folder / PACKAGE

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from common.errors import ModelError
 from farhand.arm_import.choices.box import Grid, largest_box
 from farhand.arm_import.choices.cell import fitting_speed, joint_numbers, margins
 from farhand.arm_import.choices.tool import FRAME, GRIPPER_M, choose_tool, pose_from, with_mount
@@ -16,6 +17,7 @@ from farhand.arm_import.description.reading import read_description
 from farhand.arm_import.prepared import cover_links
 from farhand.arm_import.shapes.links import cover_link
 from remote_site.kinematics.limits import JointLimits
+from tests.farhand.arm_import.published import unseen
 
 ARM = """<robot name="r"><link name="base"/><link name="wrist"/><link name="last"/>{links}
   <joint name="a" type="revolute"><parent link="base"/><child link="wrist"/><axis xyz="0 1 0"/>{limit}</joint>
@@ -33,7 +35,7 @@ def tool_of(*frames, tool=None, sign=1, **options):
     links, joints = zip(*frames, strict=True) if frames else ((), ())
     text = ARM.format(links="".join(links), joints="".join(joints), limit=LIMIT, sign=sign)
     arm = choose_arm(read_description(text.encode(), "arm.urdf"), tool)
-    return arm, choose_tool(arm, cover_links(arm, Path), **options)
+    return arm, choose_tool(arm, cover_links(arm, Path, unseen), **options)
 
 
 def test_a_flange_along_z_is_taken_as_it_is_and_carries_the_gripper():
@@ -73,7 +75,7 @@ def test_where_the_tools_own_link_is_named_its_end_is_the_centre():
 
 def test_a_last_link_without_a_flange_ends_where_its_shape_does():
     arm, _ = tool_of()
-    links = cover_links(arm, Path)
+    links = cover_links(arm, Path, unseen)
     body = UrdfLink("last", collisions=(Shape(np.eye(4), UrdfBox((0.02, 0.02, 0.1))),))
     tool = choose_tool(arm, links | {"last": cover_link(body, Path, moves=False)})
     assert tool.last_T_mount[2, 3] == pytest.approx(0.05)
@@ -121,6 +123,12 @@ def test_a_quick_arm_is_slowed_until_its_stops_are_short_enough():
 
     assert fitting_speed(limits(2.0)) == 1.0
     assert fitting_speed(limits(10.0)) < 0.4
+
+
+def test_a_jerk_with_which_no_stop_is_short_enough_is_named_with_the_option_that_gives_it():
+    slow = JointLimits(("lift",), *(np.array([v]) for v in (-3.0, 3.0, 3.0, 7.0, 1.0)))
+    with pytest.raises(ModelError, match=r"lift would take \d+ ms to stop .* 1 rad/s³; 550 ms .* by --jerk where"):
+        fitting_speed(slow)
 
 
 def test_names_that_are_taken_are_changed_wherever_they_stand():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common.errors import ConfigError, ModelError
-from farhand.arm_import.description.arm import choose_arm
+from farhand.arm_import.description.arm import check_joints, choose_arm
 from farhand.arm_import.description.reading import read_description
 
 LIMIT = '<limit lower="-1" upper="2" velocity="1" effort="10"/>'
@@ -69,6 +69,46 @@ def test_two_arms_are_told_apart_by_the_tool_and_the_other_is_locked():
 def test_the_nearest_of_the_frames_that_exist_is_named():
     with pytest.raises(ConfigError, match=r"--tool l44: there is no such frame; did you mean l4\? The frames are base"):
         choose_arm(read(robot(*arm_of())), "l44")
+    with pytest.raises(ConfigError, match="--tool nope: there is no such frame; the frames are base, l1"):
+        choose_arm(read(robot(*arm_of())), "nope")
+
+
+def hand_on(side=""):
+    """An arm of six joints and a hand of two fingers whose joints are not named so."""
+    six = [joint(f"{side}j{k}", f"{side}l{k}" if k else "torso", f"{side}l{k + 1}") for k in range(6)]
+    palm = joint(f"{side}palm_fixed", f"{side}l6", f"{side}palm", kind="fixed", inside="")
+    fingers = [
+        joint(f"{side}{which}{k}", f"{side}{which}_link{k}" if k else f"{side}palm", f"{side}{which}_link{k + 1}")
+        for which in ("index", "middle")
+        for k in range(3)
+    ]
+    return [*six, palm, *fingers]
+
+
+def test_an_arm_ends_where_its_hand_begins():
+    chosen = choose_arm(read(robot(*hand_on())), None)
+    assert [j.name for j in chosen.joints] == [f"j{k}" for k in range(6)]
+    assert chosen.tool == "palm"
+    assert len(chosen.locked) == 6
+    with pytest.raises(ModelError, match=r"--tool left_palm or --tool right_palm$"):
+        choose_arm(read(robot(*hand_on("left_"), *hand_on("right_"))), None)
+
+
+def test_an_arm_of_too_few_joints_is_known_by_them():
+    with pytest.raises(
+        ModelError, match=r"the arm to l4 has 4 moving joints \(j0, j1, j2, j3\), .* 6 or more; .*--tool"
+    ):
+        check_joints(choose_arm(read(robot(*arm_of())), None))
+    check_joints(choose_arm(read(robot(*hand_on())), None))
+
+
+def test_what_an_earlier_import_assumed_is_not_what_the_maker_states():
+    def limit_of(text):
+        return read(robot(joint("a", "x", "y", inside=text))).joints[0].limit
+
+    assumed = '<limit lower="-1" upper="2" velocity="1" effort="10" jerk="{}" assumed_jerk="500"/>'
+    assert limit_of(assumed.format(500)).jerk is None
+    assert limit_of(assumed.format(3750)).jerk == 3750
 
 
 def test_locked_joints_stand_where_asked_and_followers_follow():

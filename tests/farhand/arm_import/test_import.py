@@ -1,27 +1,31 @@
 """A maker's URDF becomes a configuration that the remote site starts with, from any folder."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from common.config import load_config
 from common.errors import ConfigError, ModelError
 from farhand.arm_import.description.packages import search_path
 from farhand.arm_import.run import ImportRequest, import_arm
+from farhand.cli import app
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.checks import find_mistakes, find_unguarded
 from remote_site.safety.collision import CollisionModel
-from tests.farhand.arm_import.published import FINGERS, PACKAGE, publish
+from tests.farhand.arm_import.published import FINGERS, PACKAGE, publish, unseen
 
 
 @pytest.fixture(scope="module")
 def imported(tmp_path_factory):
     folder = tmp_path_factory.mktemp("imported")
     out = folder / "arm.toml"
-    lines = import_arm(ImportRequest(publish(folder / "ws"), out, points="down"))
-    return out, lines
+    shown = []
+    lines = import_arm(ImportRequest(publish(folder / "ws"), out, points="down"), lambda *work: shown.append(work))
+    return out, lines, shown
 
 
 @pytest.fixture
@@ -47,7 +51,49 @@ def test_only_the_arm_moves_and_the_rest_is_said_with_its_reason(config, importe
     assert "estimated: mass and inertia of shoulder, upper, fore, wrist_a, wrist_b, wrist_c" in text
     assert "assumed: 500 rad/s³ for every joint" in text
     assert "tool: hand_tcp, guessed" in text
-    assert imported[1][-2:] == [f"  farhand {what} --config {imported[0]}" for what in ("doctor", "loopback")]
+    assert [line for line in imported[1] if line.startswith("  farhand")] == [
+        f"  farhand doctor --config {imported[0]}",
+        f"  farhand loopback --config {imported[0]}",
+        f"  farhand limits --config {imported[0]} --factor 0.1",
+        f"  farhand remote --config {imported[0]} --driver NAME --set robot.limits_factor=0.1",
+    ]
+    meshes = imported[0].with_name("arm_meshes")
+    size = sum(mesh.stat().st_size for mesh in meshes.iterdir())
+    assert f"{meshes} (7 meshes, {size / 1e6:.1f} MB); to move them, keep them together" in imported[1][1]
+
+
+def test_the_files_are_moved_together_and_need_nothing_of_the_makers(imported, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(imported[0].parent, tmp_path / "moved", ignore=shutil.ignore_patterns("ws"))
+    config = load_config(RemoteConfig, Path("moved/arm.toml"))
+    assert find_mistakes(config) == []
+    text = config.robot.urdf.read_text()
+    assert 'filename="arm_meshes/shoulder.stl"' in text
+    assert str(imported[0].parent) not in text.split("<robot")[1]
+    shutil.rmtree(tmp_path / "moved" / "arm_meshes")
+    mistakes = find_mistakes(config)
+    assert "names the mesh" in mistakes[0].sentence
+    assert "bring the folder of its meshes" in mistakes[0].sentence
+
+
+def test_limits_tells_what_the_import_assumed_from_what_the_maker_states(imported):
+    told = CliRunner().invoke(app, ["limits", "--config", str(imported[0]), "--factor", "0.1"]).output
+    rows = {line.split("|")[1].strip(): line for line in told.splitlines() if line.startswith("|")}
+    assert "assumed by farhand arm import times robot.limits_factor = 0.1" in rows["jerk, rad/s³"]
+    assert "robot.acceleration_rad_s2, assumed by farhand arm import" in rows["acceleration, rad/s²"]
+    assert "assumed" not in rows["speed, rad/s"]
+    assert "A465" not in told
+
+
+def test_every_part_of_the_work_is_shown_to_its_end(imported):
+    ends = {what: (done, total) for what, done, total in imported[2]}
+    assert list(ends) == [
+        "links covered",
+        "start postures tried, the tool down",
+        "boxes tried",
+    ]
+    assert all(done == total for done, total in ends.values())
+    assert ends["links covered"] == (11, 11)
 
 
 def test_the_tool_centre_point_is_the_frame_and_the_tool_points_as_asked(config):
@@ -85,7 +131,7 @@ def test_nothing_of_the_arm_and_its_tool_is_left_unguarded(config):
 
 def test_a_file_that_is_there_is_kept(imported):
     with pytest.raises(ConfigError, match="exists already"):
-        import_arm(ImportRequest(imported[0].with_suffix(".urdf"), imported[0]))
+        import_arm(ImportRequest(imported[0].with_suffix(".urdf"), imported[0]), unseen)
 
 
 def test_a_mesh_in_an_unknown_package_names_the_option(tmp_path):
@@ -95,7 +141,7 @@ def test_a_mesh_in_an_unknown_package_names_the_option(tmp_path):
     lone.write_text(urdf.read_text())
     (tmp_path / PACKAGE).rename(tmp_path / "renamed")
     with pytest.raises(ModelError, match=f"link base_link.*--package {PACKAGE}=FOLDER"):
-        import_arm(ImportRequest(lone, tmp_path / "arm.toml"))
+        import_arm(ImportRequest(lone, tmp_path / "arm.toml"), unseen)
     assert not (tmp_path / "arm.toml").exists()
 
 
@@ -108,11 +154,5 @@ def test_an_arm_that_cannot_turn_its_tool_names_what_it_lacks(tmp_path):
     short = publish(tmp_path, end=FINGERS)
     text = short.read_text().replace('name="wrist_b_joint" type="revolute"', 'name="wrist_b_joint" type="fixed"')
     short.write_text(text)
-    with pytest.raises(ModelError, match="six joints or more"):
-        import_arm(ImportRequest(short, tmp_path / "arm.toml", points="down"))
-
-
-@pytest.mark.parametrize(("urdf", "written"), [("panda.urdf", "panda-arm.urdf"), ("maker/panda.urdf", "panda.urdf")])
-def test_the_makers_own_file_is_never_written_over(urdf, written, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert ImportRequest(Path(urdf), Path("panda.toml")).out_urdf == Path(written)
+    with pytest.raises(ModelError, match=r"has 5 moving joints .* 6 or more"):
+        import_arm(ImportRequest(short, tmp_path / "arm.toml", points="down"), unseen)

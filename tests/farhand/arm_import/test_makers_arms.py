@@ -10,6 +10,7 @@ from common.config import load_config
 from farhand.arm_import.run import ImportRequest, import_arm
 from local_site.simulation.motion import PATHS
 from remote_site.config import RemoteConfig
+from tests.farhand.arm_import.published import unseen
 from tests.remote_site.arms_followed import Followed
 
 ROBOTS = Path(sysconfig.get_path("purelib")) / "cmeel.prefix" / "share" / "example-robot-data" / "robots"
@@ -25,7 +26,7 @@ ARMS = {
 @pytest.mark.parametrize("name", ARMS)
 def test_an_arm_follows_the_hand_as_it_was_imported(name, tmp_path):
     file, tool = ARMS[name]
-    import_arm(ImportRequest(ROBOTS / file, tmp_path / "arm.toml", tool))
+    import_arm(ImportRequest(ROBOTS / file, tmp_path / "arm.toml", tool), unseen)
     config = load_config(RemoteConfig, tmp_path / "arm.toml")
     followed = Followed(config, lambda t: PATHS["pick_and_place"].at(t)[:2], 14.0)
     moved = config.mapping.scale * followed.hands

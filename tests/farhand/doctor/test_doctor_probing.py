@@ -213,11 +213,21 @@ def test_every_mistake_of_the_configuration_is_a_finding(tmp_path: Path) -> None
     assert "t_soft_ms" in done.output
 
 
+def test_a_file_that_is_not_there_is_not_to_be_corrected_in_a_line(tmp_path: Path) -> None:
+    missing = tmp_path / "missing.toml"
+    for options in ((), ("--link",)):
+        done = CliRunner().invoke(app, ["doctor", "--config", str(missing), *options])
+        assert done.exit_code == 1
+        assert f"error    configuration: cannot read the configuration {missing}: No such file" in done.output
+        assert "cure: give the path of a file that is there" in done.output
+        assert "correct that line" not in done.output
+
+
 @pytest.mark.parametrize(
     ("setting", "found"),
     [
         ("robot.model=/none.urdf", "error    robot: robot.model '/none.urdf' is neither a built-in model"),
-        ("robot.model=arm.urdf", f"or one as seen from {Path.cwd()}"),
+        ("robot.model=arm.urdf", f"there is no {Path.cwd() / 'arm.urdf'}; put it there, or give its path"),
         ("robot.tool_frame=hook", "error    robot: "),
         ("robot.speed=0.5", "ok       robot: the model a465 loads"),
         ("robot.start_deg=[0, 0, 500, 0, 0, 0]", "error    start posture: robot.start_deg: joint_3"),
@@ -242,7 +252,7 @@ def test_the_robots_side_is_loaded_as_the_remote_site_would(setting: str, found:
     config = Path(__file__).parents[3] / "farhand/deployment/sites/remote.toml"
     done = CliRunner().invoke(app, ["doctor", "--config", str(config), "--set", setting])
     assert found in done.output
-    assert done.exit_code == int(found.startswith(("error", "or one")))
+    assert done.exit_code == int(found.startswith(("error", "there is no")))
 
 
 def test_an_arm_whose_file_states_no_jerk_is_said_to_have_none(tmp_path: Path) -> None:

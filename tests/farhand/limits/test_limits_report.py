@@ -61,6 +61,46 @@ def test_a_factor_is_tried_without_a_change_of_the_file(tmp_path):
     assert file.read_text() == written
 
 
+@pytest.mark.parametrize("factor", ["3", "0.001"])
+def test_a_factor_out_of_range_is_refused_by_the_name_that_the_user_gave_it(factor):
+    done = CliRunner().invoke(app, ["limits", "--factor", factor])
+    assert done.exit_code == 2
+    assert "Invalid value for '--factor'" in done.output
+    assert "or equal to" in done.output
+    assert "--set" not in done.output
+    for end in ("0.01", "1"):
+        assert CliRunner().invoke(app, ["limits", "--factor", end]).exit_code == 0
+
+
+def test_what_an_import_assumed_is_said_until_it_is_corrected(tmp_path):
+    urdf = tmp_path / "arm.urdf"
+    marks = 'jerk="1000" assumed_jerk="1000" assumed_acceleration="7" assumed_effort="150"'
+    urdf.write_text((ARMS / "offset_wrist.urdf").read_text().replace('jerk="1000"', marks))
+    seven, by = ("robot.acceleration_rad_s2=[7.0]", f"robot.model={urdf}"), "assumed by farhand arm import"
+    rows = printed(*seven)
+    assert rows["jerk, rad/s³"][-1] == by
+    assert rows["acceleration, rad/s²"][-1] == f"robot.acceleration_rad_s2, {by}; the arm's file states none"
+    assert rows["effort, N m"][-1].startswith(f"{by} for pan, lift, elbow; else the arm's file;")
+    assert rows["lowest, deg"][-1].startswith("the arm's file, less")
+    rows = printed(*seven, "robot.acceleration_rad_s2=[8.0]", "robot.jerk_rad_s3=900")
+    assert rows["jerk, rad/s³"][-1] == f"robot.jerk_rad_s3; the arm's file allows 1000 ({by})"
+    assert rows["acceleration, rad/s²"][-1] == "robot.acceleration_rad_s2; the arm's file states none"
+    urdf.write_text(urdf.read_text().replace(' jerk="1000"', ' jerk="3000"', 1))
+    assert (
+        printed(*seven)["jerk, rad/s³"][-1] == f"{by} for lift, elbow, wrist_1, wrist_2, wrist_3; else the arm's file"
+    )
+    urdf.write_text(urdf.read_text().replace("assumed_jerk", "given_jerk"))
+    assert printed(*seven)["jerk, rad/s³"][-1].startswith("given to farhand arm import for lift, elbow")
+
+
+def test_the_a465s_gripper_is_said_to_be_assumed_on_another_arm(tmp_path):
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text((ARMS / "offset_wrist.urdf").read_text())
+    rows = printed(f"robot.model={urdf}", "robot.acceleration_rad_s2=[10.0]")
+    assert rows["capsules on tool0"][-1] == "robot.capsules, the A465's gripper: assumed, give your own"
+    assert printed()["capsules on tool0"][-1] == "robot.capsules, by default the A465's gripper"
+
+
 def test_the_factor_is_named_at_each_limit_that_it_tightens_and_no_stop_takes_longer():
     full, half = printed(), printed("robot.limits_factor=0.5")
     tightened = [name for name, row in half.items() if "times robot.limits_factor = 0.5" in row[-1]]

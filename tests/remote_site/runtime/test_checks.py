@@ -11,10 +11,11 @@ from msgspec.structs import replace
 from structlog.testing import capture_logs
 
 from common.config import load_config
-from common.errors import ConfigError
+from common.errors import ConfigError, ModelError
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import DriverConfig
 from remote_site.kinematics.config import CapsuleConfig, RobotConfig
+from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.checks import check_robot, find_mistakes, say_what_is_not_guarded
 from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import setup_of
@@ -145,8 +146,8 @@ def test_a_moving_link_without_inertia_is_refused_where_it_would_be_simulated(tm
     assert "<inertial>" in mistake.sentence
 
 
-def test_the_guides_configuration_is_without_mistakes(tmp_path, monkeypatch):
-    monkeypatch.chdir(ROOT)
+def test_the_guides_configuration_is_without_mistakes(tmp_path):
+    (tmp_path / "tests").symlink_to(ROOT / "tests")  # as in Farhand's own folder
     guide = (ROOT / "docs" / "another-arm.md").read_text()
     path = tmp_path / "my-arm.toml"
     begin = guide.index("    [robot]\n")
@@ -154,6 +155,18 @@ def test_the_guides_configuration_is_without_mistakes(tmp_path, monkeypatch):
     config = load_config(RemoteConfig, path)
     assert config.safety.collision.fixtures[0].max_m == (1.0, 0.6, 0.0)
     check_robot(config)
+
+
+def test_a_file_of_the_same_name_in_the_working_folder_is_never_taken_for_the_arm(tmp_path, monkeypatch):
+    (tmp_path / "cell").mkdir()
+    (tmp_path / "cell" / "arm.toml").write_text('[robot]\nmodel = "arm.urdf"\nacceleration_rad_s2 = [10.0]\n')
+    (tmp_path / "arm.urdf").write_text((ARMS / "offset_wrist.urdf").read_text())
+    monkeypatch.chdir(tmp_path)
+    config = load_config(RemoteConfig, Path("cell/arm.toml"))
+    (mistake,) = find_mistakes(config)
+    assert f"there is no {tmp_path / 'cell' / 'arm.urdf'}; put it there" in mistake.sentence
+    with pytest.raises(ModelError, match=r"there is no .*/cell/arm\.urdf"):
+        load_arm(config.robot)
 
 
 def test_a_simulated_cell_that_does_not_fit_the_arm_is_refused_and_a_real_one_does_not_ask():

@@ -1,0 +1,34 @@
+"""What an import wrote, by SHA-256, at the end of the arm's file: only files that are still so are replaced; pure."""
+
+import hashlib
+from collections.abc import Mapping
+
+HEAD = b"<!-- As farhand arm import wrote these files, by SHA-256. It replaces them only while they are still so:\n"
+
+
+def with_manifest(urdf: bytes, name: str, others: Mapping[str, bytes]) -> bytes:
+    """The arm's file `name` with the digests of its own text and of the other files."""
+    lines = [f"  {digest(content)}  {_spelt(file)}\n" for file, content in {name: urdf, **others}.items()]
+    return urdf + HEAD + "".join(lines).encode() + b"-->\n"
+
+
+def digests_in(urdf: bytes) -> dict[str, str]:
+    """By name the digests that an arm's file ends with; none where no import wrote it."""
+    lines = urdf.partition(HEAD)[2].decode(errors="replace").splitlines()
+    rows = [line.strip().split("  ", 1) for line in lines]
+    return {row[1]: row[0] for row in rows if len(row) > 1}
+
+
+def is_as_written(name: str, content: bytes, digests: Mapping[str, str]) -> bool:
+    """Whether a file is as it was when these digests were made."""
+    return digests.get(_spelt(name)) == digest(content)
+
+
+def digest(content: bytes) -> str:
+    """Of a file, without the digests that an arm's file ends with."""
+    return hashlib.sha256(content.partition(HEAD)[0]).hexdigest()
+
+
+def _spelt(name: str) -> str:
+    """As it may stand in a comment of XML."""
+    return name.replace("--", "- -")
