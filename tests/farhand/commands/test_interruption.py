@@ -25,6 +25,7 @@ def run(monkeypatch, tmp_path):
         class Done:
             operator_views = ()
             record = Record()
+            failure = None
 
             def __init__(self, *_):
                 pass
