@@ -14,7 +14,7 @@ from importlib.util import find_spec
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.errors import DriverError
+from common.errors import DriverError, NotInstalledError
 from common.process.log import log_summary
 from common.process.service import StopFlag, ask_for_real_time
 
@@ -55,9 +55,9 @@ class SimulatedTime:
 
 
 def check_installed() -> None:
-    """DriverError where franky-sim is missing."""
+    """NotInstalledError where franky-sim is missing."""
     if find_spec("franky_sim") is None:
-        raise DriverError(MISSING)
+        raise NotInstalledError(MISSING)
 
 
 def free_address() -> str:
