@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Self
 
 import numpy as np
 
-from common.errors import ConfigError
+from common.errors import ConfigError, ModelError
 from common.geometry import Array
-from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3, RobotConfig
+from remote_site.kinematics.config import MODELS, UNSTATED_JERK_RAD_S3, RobotConfig
 from remote_site.kinematics.model import ArmModel
 
 TARGET_SPEED = 0.9  # of a joint's speed, for its target: the joint must be quicker to catch it
@@ -92,9 +93,23 @@ def _positions(model: ArmModel, config: RobotConfig) -> tuple[Array, Array]:
     return lower, upper
 
 
+def load_model(config: RobotConfig) -> ArmModel:
+    """The configured arm; ConfigError where there is no such model, or it cannot be used."""
+    if not config.urdf.is_file():
+        built_in = ", ".join(sorted(path.name for path in MODELS.iterdir() if path.is_dir()))
+        raise ConfigError(
+            f"robot.model {config.model!r} is neither a built-in model ({built_in}) nor the file of a URDF; "
+            f"give its absolute path, or one as seen from {Path.cwd()}"
+        )
+    try:
+        return ArmModel.from_urdf(config.urdf, config.tool_frame, config.tool_T_tcp)
+    except ModelError as error:
+        raise ConfigError(" ".join(str(error).split())) from error
+
+
 def load_arm(config: RobotConfig) -> tuple[ArmModel, JointLimits]:
-    """The configured arm and its limits; ModelError or ConfigError where either cannot be built."""
-    model = ArmModel.from_urdf(config.urdf, config.tool_frame, config.tool_T_tcp)
+    """The configured arm and its limits; ConfigError where either cannot be built."""
+    model = load_model(config)
     return model, JointLimits.from_model(model, config)
 
 

@@ -3,23 +3,23 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TypeVar
 
 import structlog
 
-from common.errors import ConfigError, FarhandError, ModelError, NotInstalledError
+from common.errors import ConfigError, FarhandError, NotInstalledError
 from common.geometry import Array
 from remote_site.config import RemoteConfig
 from remote_site.drivers.checks_before_start import check_before_start
+from remote_site.drivers.config import DriverConfig
 from remote_site.drivers.listing import missing_package
 from remote_site.drivers.registry import load_factory
-from remote_site.kinematics.config import MODELS, RobotConfig
-from remote_site.kinematics.limits import JointLimits
+from remote_site.kinematics.config import RobotConfig
+from remote_site.kinematics.limits import JointLimits, load_model
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.target_tracker import choose_target_tracker
 from remote_site.runtime.driver_process import setup_with
-from remote_site.runtime.emulated_robot import options_before_start
+from remote_site.runtime.emulated_robot import check_emulator, options_before_start
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.stop_bound import check_stops
 from remote_site.safety.unguarded import in_one_line, unguarded
@@ -96,7 +96,7 @@ def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
 
 def find_unguarded(config: RemoteConfig) -> tuple[str, ...]:
     """What a configuration without mistakes leaves unguarded, part by part."""
-    return unguarded(config.robot, config.safety, _model(config.robot))
+    return unguarded(config.robot, config.safety, load_model(config.robot))
 
 
 def say_what_is_not_guarded(config: RemoteConfig) -> None:
@@ -128,11 +128,11 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
 
 def _load_driver(config: RemoteConfig, loading: _Loading) -> None:
     cure = "correct driver.name, or install the package that offers it"
-    loading.load(DRIVER, cure, lambda: _driver(config.driver.name))
+    loading.load(DRIVER, cure, lambda: load_factory(config.driver.name))
 
 
 def _load_model(robot: RobotConfig, loading: _Loading) -> ArmModel | None:
-    return loading.load("robot", "correct robot.model and robot.tool_frame, or that URDF", lambda: _model(robot))
+    return loading.load("robot", "correct robot.model and robot.tool_frame, or that URDF", lambda: load_model(robot))
 
 
 def _load_limits(model: ArmModel, robot: RobotConfig, loading: _Loading) -> JointLimits | None:
@@ -151,26 +151,17 @@ def _load_setup(model: ArmModel, limits: JointLimits, config: RemoteConfig, load
     loading.load("stopping", quicker, lambda: check_stops(limits, speed, longest_ms))
     if any(mistake.part == DRIVER for mistake in loading.mistakes):
         return
-    setup = setup_with(config, model, limits)
+    setup, name = setup_with(config, model, limits), config.driver.name
+    loading.load(DRIVER, "install it, or correct driver.name", lambda: _check_packages(config.driver))
     cure = "correct what it names, or give the configuration of that robot"
-    loading.load(DRIVER, cure, lambda: check_before_start(config.driver.name, options_before_start(config), setup))
+    loading.load(DRIVER, cure, lambda: check_before_start(name, options_before_start(config.driver), setup))
 
 
-def _driver(name: str) -> None:
-    """ConfigError where there is no such driver, NotInstalledError where what it needs of others is missing."""
-    load_factory(name)
-    if missing := missing_package(name):
+def _check_packages(driver: DriverConfig) -> None:
+    """NotInstalledError where a driver of Farhand's own, or its emulated robot, lacks a package of others."""
+    if missing := missing_package(driver.name):
         raise NotInstalledError(missing)
-
-
-def _model(robot: RobotConfig) -> ArmModel:
-    if not robot.urdf.is_file():
-        built_in = ", ".join(sorted(path.name for path in MODELS.iterdir() if path.is_dir()))
-        raise ModelError(
-            f"robot.model {robot.model!r} is neither a built-in model ({built_in}) nor the file of a URDF; "
-            f"give its absolute path, or one as seen from {Path.cwd()}"
-        )
-    return ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
+    check_emulator(driver)
 
 
 def _start(robot: RobotConfig, limits: JointLimits) -> Array:

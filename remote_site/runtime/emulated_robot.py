@@ -36,16 +36,17 @@ def unused_address(driver: DriverConfig) -> str:
     return f"driver.options.{name} = {address!r}" if address else ""
 
 
-def options_before_start(config: RemoteConfig) -> Mapping[str, Option]:
-    """The options that the driver will be given, as far as they are known; NotInstalledError without an emulator."""
-    driver = config.driver
-    if not driver.emulate:
-        return driver.options
-    if driver.name == FRANKA:
+def check_emulator(driver: DriverConfig) -> None:
+    """NotInstalledError where a robot is to be emulated by what is not installed."""
+    if driver.emulate and driver.name == FRANKA:
         from remote_site.drivers.franka.simulator import check_installed  # noqa: PLC0415  # a real robot needs none
 
         check_installed()
-    return {**driver.options, ADDRESS_OPTIONS[driver.name]: "emulated"}
+
+
+def options_before_start(driver: DriverConfig) -> Mapping[str, Option]:
+    """The options that the driver will be given, as far as they are known."""
+    return {**driver.options, ADDRESS_OPTIONS[driver.name]: "emulated"} if driver.emulate else driver.options
 
 
 def _start_c500c(config: RemoteConfig, children: Children) -> tuple[Mapping[str, Option], Clock]:
