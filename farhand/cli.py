@@ -89,7 +89,7 @@ for name, group in {
 
 
 def main() -> None:
-    """Run the command line; the exit code is 1 for a failure, 2 for misuse, 130 for an interruption."""
+    """Run the command line; the exit codes are those of `farhand.exit_codes`."""
     try:
         try:
             app(prog_name="farhand")  # python -m farhand too: its completion is the same command's

@@ -1,17 +1,27 @@
 """All that an author of a driver needs of Farhand; docs/writing-a-driver.md shows how, and promises nothing beyond.
 
 A `PositionArm` has three methods, and `PositionArmDriver` makes it a `Driver`; whoever needs more writes a `Driver`.
-A `DriverFactory` makes a `Driver` from a `DriverHost`. `check_options` checks the driver's own options, `stopping` is
-the stop within the limits, and `run_checks` tries a driver on a `DriverStand` in its author's tests.
+A `DriverFactory` makes a `Driver` from a `DriverHost`. `check_options` checks the driver's own options, `checked_by`
+declares what is checked before anything starts, `stopping` is the stop within the limits, and `run_checks` tries a
+driver on a `DriverStand` in its author's tests.
 """
 
 from common.clock import Clock, FakeClock, MonotonicClock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
+from remote_site.drivers.checks_before_start import DriverCheck, checked_by
 from remote_site.drivers.conformance.machine_pauses import machine_pauses
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.conformance.trial import DriverStand
-from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, GripperReading, JointCommand, RobotReading
+from remote_site.drivers.driver import (
+    Capabilities,
+    Driver,
+    DriverSetup,
+    GripperReading,
+    JointCommand,
+    RobotReading,
+    check_joints,
+)
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.position_arm.arm import MeasuredPositions, PositionArm, PositionArmWithGripper, Positions
 from remote_site.drivers.position_arm.driver import PositionArmDriver
@@ -26,6 +36,7 @@ __all__ = [
     "Capabilities",
     "Clock",
     "Driver",
+    "DriverCheck",
     "DriverError",
     "DriverFactory",
     "DriverHost",
@@ -48,7 +59,9 @@ __all__ = [
     "Positions",
     "RobotFault",
     "RobotReading",
+    "check_joints",
     "check_options",
+    "checked_by",
     "machine_pauses",
     "run_checks",
     "stopping",

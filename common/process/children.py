@@ -7,7 +7,8 @@ import os
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from multiprocessing.process import BaseProcess
 
@@ -49,7 +50,7 @@ class Heartbeat:
 
 
 class EndReason:
-    """Why a child ended by itself, in memory shared across a fork; empty until then."""
+    """Why a child ended by itself, as a whole sentence in memory shared across a fork; empty until then."""
 
     def __init__(self) -> None:
         self._memory = mmap.mmap(-1, REASON_BYTES)
@@ -91,7 +92,7 @@ class Children:
         """
         heartbeat, reason = Heartbeat(), EndReason()
         context = multiprocessing.get_context("fork")
-        arguments = (name, main, heartbeat, reason, os.getpid())
+        arguments = (self.site, name, main, heartbeat, reason, os.getpid())
         process = context.Process(target=_run, args=arguments, name=f"{self.site}-{name}")
         process.start()
         child = Child(name, process, heartbeat, reason, vital)
@@ -114,7 +115,7 @@ class Children:
             time.sleep(READY_POLL_S)
 
     def check(self) -> None:
-        """ProcessError with the name of a vital child that died or gave no beat for five seconds."""
+        """ProcessError why a vital child died, or with the name of one that gave no beat for five seconds."""
         self.check_alive()
         for child in self.children:
             if child.vital and time.monotonic_ns() - child.heartbeat.last_ns > HEARTBEAT_TIMEOUT_S * NS_PER_S:
@@ -126,13 +127,12 @@ class Children:
         return [child.name for child in self.children if child.vital and child.heartbeat.last_ns == 0]
 
     def check_alive(self) -> None:
-        """ProcessError with the name of a vital child that died."""
+        """ProcessError with the sentence that a vital child left when it died, else with its name."""
         dead = [child for child in self.children if not child.process.is_alive()]
         for child in dead:
             if child.vital:
-                code, reason = child.process.exitcode, str(child.reason)
-                why = f": {reason}" if reason else f"; {CURE}"
-                raise ProcessError(f"{self.site}: process {child.name} died (exit code {code}){why}")
+                died = f"{self.site}: process {child.name} died (exit code {child.process.exitcode}); {CURE}"
+                raise ProcessError(str(child.reason) or died)
             self.children.remove(child)
             structlog.get_logger().error("died; the site continues without it", process=child.name)
 
@@ -165,6 +165,16 @@ def leave_stops_to_parent() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
+@contextmanager
+def ends_at_once() -> Iterator[None]:
+    """Have this child die of the signal to end, within calls of a library that would not return for it."""
+    handler = signal.signal(END, signal.SIG_DFL)
+    try:
+        yield
+    finally:
+        signal.signal(END, handler)
+
+
 def die_with_parent(parent_pid: int, number: signal.Signals = signal.SIGTERM) -> None:
     """Ask the kernel for this signal when the parent dies; exit immediately if it is dead already."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
@@ -172,7 +182,7 @@ def die_with_parent(parent_pid: int, number: signal.Signals = signal.SIGTERM) ->
         os._exit(1)
 
 
-def _run(name: str, main: ChildMain, heartbeat: Heartbeat, reason: EndReason, parent_pid: int) -> None:
+def _run(site: str, name: str, main: ChildMain, heartbeat: Heartbeat, reason: EndReason, parent_pid: int) -> None:
     should_stop = StopFlag()
     should_stop.install((END,))
     leave_stops_to_parent()
@@ -186,8 +196,9 @@ def _run(name: str, main: ChildMain, heartbeat: Heartbeat, reason: EndReason, pa
         reason.leave(str(error))
         sys.exit(1)
     except (Exception, SystemExit) as error:  # a robot's library may exit
-        reason.leave(f"{type(error).__name__}: {error}")
+        code = error.code if isinstance(error, SystemExit) and isinstance(error.code, int) else 1
+        reason.leave(f"{site}: process {name} died (exit code {code}): {type(error).__name__}: {error}")
         sys.excepthook(type(error), error, error.__traceback__)  # multiprocessing would print it as it is
-        sys.exit(error.code if isinstance(error, SystemExit) and isinstance(error.code, int) else 1)
+        sys.exit(code)
     finally:
         finish_log()

@@ -25,7 +25,11 @@ ConfigFile = Annotated[
 Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value; repeatable.")]
 LogLines = Annotated[LogFormat, typer.Option("--log-format", help="text (level=... event=...) or json, on stderr.")]
 Emulate = Annotated[
-    bool, typer.Option("--emulate", help="c500c, franka: an emulated robot; the same as --set driver.emulate=true.")
+    bool,
+    typer.Option(
+        "--emulate",
+        help="c500c, franka: an emulated robot instead of the real one; the same as --set driver.emulate=true.",
+    ),
 ]
 
 LinksFile = Annotated[

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from common.errors import DriverError
 from farhand.doctor.findings import Finding, error, ok, warning
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
@@ -11,23 +10,12 @@ from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
 
 def probe_robot(config: RemoteConfig) -> list[tuple[str, str, str]]:
     """Look up the driver and load the arm as the remote site does; returns (part, sentence, cure) of each mistake."""
-    from remote_site.drivers.listing import missing_package  # noqa: PLC0415  # as below
-    from remote_site.drivers.registry import check_driver  # noqa: PLC0415  # as below
-
-    mistakes = []
-    try:
-        check_driver(config.driver.name)
-    except DriverError as wrong:
-        mistakes.append(("driver", str(wrong), "correct driver.name, or install the package that offers it"))
-    if missing := missing_package(config.driver.name):
-        sentence, _, cure = missing.partition(": ")
-        mistakes.append(("driver", sentence, cure))
     try:
         from remote_site.runtime.checks import find_mistakes  # noqa: PLC0415  # the doctor also examines hosts without its libraries
     except ImportError as wrong:
         cure = "install Farhand again: pip install -e '.[sim]'"
-        return [*mistakes, ("robot", f"the arm cannot be loaded: {wrong}", cure)]
-    return mistakes + [(mistake.part, mistake.sentence, mistake.cure) for mistake in find_mistakes(config)]
+        return [("robot", f"the arm cannot be loaded: {wrong}", cure)]
+    return [(mistake.part, mistake.sentence, mistake.cure) for mistake in find_mistakes(config)]
 
 
 def check_robot(model: str, driver: str, mistakes: Sequence[tuple[str, str, str]]) -> list[Finding]:

@@ -73,6 +73,8 @@ def print_table(figures: Figures, console: Console) -> None:
     console.print(table)
     for event in figures["events"]:
         console.print(escaped(f"event: {event}"), markup=False, highlight=False)
+    if figures["too_slow"] is not None:
+        console.print(figures["too_slow"], markup=False, highlight=False, soft_wrap=True)
 
 
 def _rows(figures: Figures) -> list[tuple[str, str]]:

@@ -21,6 +21,7 @@ LAGS_MS = np.arange(0.0, 2001.0, 2.0)  # the mean of nine frames at 5 a second i
 STAGES = ("command", "motion", "encoder", "picture", "viewer")
 TRUTH_STEP_NS = 2 * NS_PER_MS
 LATELY_NS = 5 * NS_PER_S
+FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 
 Truth = Callable[[int], Mapping[str, Array]]
 Figures = dict[str, Any]
@@ -94,7 +95,7 @@ def tracking_figures(hands: Sequence[HandArm], truth: Truth) -> Figures:
             if point is not None:
                 errors[name].append(1e3 * float(np.linalg.norm(np.array(point) - true[name])))
     return {
-        "fps": _rounded(_per_second([h.capture_ns for h in hands])),
+        "fps": _rounded(per_second([h.capture_ns for h in hands])),
         "frames": len(tracked),
         "lost": lost,
         "thumb_absent": sum(h.thumb is None for h in tracked),
@@ -135,7 +136,7 @@ def video_figures(cameras: Mapping[str, CameraRecord]) -> Figures:
     """Rate and exposure to decoded picture of every camera."""
     return {
         name: {
-            "fps": _rounded(_per_second(camera.arrivals_ns)),
+            "fps": _rounded(per_second(camera.arrivals_ns)),
             "glass_to_glass_ms": percentiles(camera.glass_to_glass_ms, 50, 95),
             "not_live": camera.not_live,
         }
@@ -161,7 +162,6 @@ def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figur
     """Every figure of the report that the record holds."""
     states = list(record.states)
     follows = [state.state is SessionState.ENGAGED for state in states]
-    since_first = [follow for follow, state in zip(follows, states, strict=True) if state.engagement is not None]
     return {
         **latency_figures(states, record.hands),
         **trace_figures(states, record.cameras),
@@ -171,8 +171,21 @@ def all_figures(record: Record, truth: Truth, expectation: Expectation) -> Figur
         "control": control_figures(states),
         "engagements": states[-1].engagement.number if states and states[-1].engagement else 0,
         "holds": sum(before and not after for before, after in pairwise(follows)),
-        "followed_share": _rounded(np.mean(since_first)) if since_first else 0.0,
+        "followed_share": followed_share(states),
     }
+
+
+def followed_share(states: Sequence[RobotState]) -> float:
+    """The part of the states since the first engagement in which the arm followed; 0 without one."""
+    since_first = [state.state is SessionState.ENGAGED for state in states if state.engagement is not None]
+    return _rounded(np.mean(since_first)) if since_first else 0.0
+
+
+def per_second(times_ns: Sequence[int]) -> float:
+    """How often a second something came at these times, 0 unless it came twice."""
+    if len(times_ns) < 2:
+        return 0.0
+    return (len(times_ns) - 1) * NS_PER_S / max(1, times_ns[-1] - times_ns[0])
 
 
 def session_events(states: Sequence[RobotState]) -> list[str]:
@@ -197,12 +210,6 @@ def troubles(states: Sequence[RobotState]) -> list[str]:
     usual = [lacking[code] for code, _ in codes.most_common(1)] or [state.reason for state in states[-1:]]
     links = [state.hand_link.reason for state in lately if state.hand_link is not None and state.hand_link.reason]
     return [*usual, *links[-1:]]
-
-
-def _per_second(times_ns: Sequence[int]) -> float:
-    if len(times_ns) < 2:
-        return 0.0
-    return (len(times_ns) - 1) * NS_PER_S / max(1, times_ns[-1] - times_ns[0])
 
 
 def _mean_max(values: Sequence[float]) -> Figures:

@@ -16,16 +16,17 @@ from common.errors import ConfigError, InterruptionError, ProcessError
 from common.geometry import Array
 from common.link.channels import ChannelSession
 from common.link.transport import open_link
-from common.messages.robot import Engagement, SessionState
+from common.messages.robot import Engagement
 from common.process.service import StopFlag
 from farhand.loopback.display import LiveSummary, print_table, save_camera_views, save_overview
-from farhand.loopback.figures import Expectation, Figures, all_figures, session_events, troubles
+from farhand.loopback.figures import FOLLOWING, Expectation, Figures, all_figures, session_events, troubles
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.recorded import read_run, recording_figures
 from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.rendering import explained
 from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import SiteProcess, listens, start_site
+from farhand.loopback.slowness import too_slow
 from farhand.outputs import check_file, check_folder
 from farhand.tracking.run import prepare_tracker
 from local_site.acquisition.simulated_cameras import Beginning
@@ -41,7 +42,6 @@ SETTLE_TIMEOUT_S = 3.0
 POLL_S = 0.05
 READY = "event=ready"
 MAX_FOLLOW_MM = 50.0
-FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,9 +159,14 @@ class Loopback:
             except ProcessError as failure:
                 self.failure = failure
         figures = run_figures(self.record, self._operator, self._remote, self._sites.events)
+        figures["too_slow"] = self.slowness()
         if self._options.record is not None:
             figures["recording"] = self._recomputed(self._options.record, figures)
         return figures
+
+    def slowness(self) -> str | None:
+        """Whether this machine was too slow for the run, None where it was not; once the sites have ended."""
+        return too_slow(self.record, self._local.simulation.fps, self._sites.events)
 
     def _recomputed(self, path: Path, printed: Figures) -> Figures:
         """What the recording of the run is like, and whether it gives the same figures."""
@@ -266,7 +271,9 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
     try:
         figures = loop.run()
     except ProcessError as error:
-        raise explained(error, views_are_simulated=loop.views_are_simulated) from error
+        failure = explained(error, views_are_simulated=loop.views_are_simulated)
+        slow = loop.slowness() if failure is error else None
+        raise (ProcessError(f"{failure}\n{slow}") if slow else failure) from error
     print_table(figures, Console())
     if options.report is not None:
         write_report(options.report, figures)

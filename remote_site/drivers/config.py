@@ -22,7 +22,10 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     name: Annotated[
         str, Meta(min_length=1, description="kinematic, simulated, c500c, franka, or an installed driver")
     ] = SIMULATED
-    emulate: Annotated[bool, Meta(description="c500c, franka: against an emulated robot instead of a real one")] = False
+    emulate: Annotated[
+        bool,
+        Meta(description="c500c, franka: against an emulated robot, also where the address of a real one is given"),
+    ] = False
     options: Annotated[
         dict[str, str | int | float | bool], Meta(description="the driver's own options, by its own keys")
     ] = field(default_factory=dict)

@@ -1,8 +1,13 @@
 """Makes Farhand's own drivers, as the entry points in pyproject.toml name them."""
 
 from common.errors import DriverError
-from remote_site.drivers.driver import Driver
-from remote_site.drivers.registry import DriverHost, check_options
+from remote_site.drivers.c500c.config import c500c_options
+from remote_site.drivers.c500c.protocol import JOINTS as A465_JOINTS
+from remote_site.drivers.checks_before_start import checked_by
+from remote_site.drivers.driver import Driver, check_joints
+from remote_site.drivers.franka.config import franka_options
+from remote_site.drivers.franka.robot_limits import check_fr3
+from remote_site.drivers.registry import DriverHost
 
 
 def kinematic(host: DriverHost) -> Driver:
@@ -21,27 +26,21 @@ def simulated(host: DriverHost) -> Driver:
     return SimulatedDriver(host.cell, host.clock)
 
 
+@checked_by(lambda options, _: c500c_options(options), lambda _, setup: check_joints(setup, A465_JOINTS, "an A465"))
 def c500c(host: DriverHost) -> Driver:
     """The A465's controller on a serial line."""
-    from remote_site.drivers.c500c.config import C500cConfig  # noqa: PLC0415  # only this robot's
     from remote_site.drivers.c500c.driver import C500cDriver  # noqa: PLC0415  # only this robot's
     from remote_site.drivers.c500c.port import open_port  # noqa: PLC0415  # only this robot's
 
-    config = check_options(C500cConfig, host.options)
+    config = c500c_options(host.options)
     return C500cDriver(config, open_port(config.port, config.baud), host.clock)
 
 
+@checked_by(lambda options, _: franka_options(options), lambda _, setup: check_fr3(setup))
 def franka(host: DriverHost) -> Driver:
     """An FR3 of Franka Robotics, with or without its hand."""
-    from remote_site.drivers.franka.client import check_installed  # noqa: PLC0415  # only this robot's
-    from remote_site.drivers.franka.config import FrankaConfig  # noqa: PLC0415  # only this robot's
     from remote_site.drivers.franka.driver import FrankaDriver  # noqa: PLC0415  # only this robot's
     from remote_site.drivers.franka.robot_side import RobotProcesses  # noqa: PLC0415  # only this robot's
 
-    config = check_options(FrankaConfig, host.options)
-    check_installed()
-    if not config.host:
-        raise DriverError(
-            "the franka driver needs the robot's address: set driver.options.host, or start with --emulate"
-        )
+    config = franka_options(host.options)
     return FrankaDriver(config, RobotProcesses(config, host.clock), host.clock)

@@ -33,30 +33,37 @@ DriverFactory = Callable[[DriverHost], Driver]
 
 
 def create_driver(name: str, host: DriverHost) -> Driver:
-    """The driver of that name, not yet configured; DriverError lists the alternatives.
+    """The driver of that name, not yet configured; ConfigError lists the alternatives.
 
     An installed package offers a `DriverFactory` as an entry point of the group `farhand.drivers`.
     """
-    point = check_driver(name)
-    try:
-        factory: DriverFactory = point.load()
-    except Exception as error:  # an installed driver may raise anything
-        raise DriverError(f"the driver {name!r} cannot be loaded from {point.value}: {_kind(error)}") from error
+    factory = load_factory(name)
     try:
         return factory(host)
     except FarhandError:
         raise  # it is a sentence already
     except Exception as error:  # an installed driver may raise anything
-        raise DriverError(f"the driver {name!r} cannot be made: {point.value} raised {_kind(error)}") from error
+        where = check_driver(name).value
+        raise DriverError(f"the driver {name!r} cannot be made: {where} raised {_kind(error)}") from error
+
+
+def load_factory(name: str) -> DriverFactory:
+    """What makes the driver of that name; ConfigError when there is none, or it cannot be loaded."""
+    point = check_driver(name)
+    try:
+        factory: DriverFactory = point.load()
+    except (Exception, SystemExit) as error:  # an installed driver may raise anything
+        raise ConfigError(f"the driver {name!r} cannot be loaded from {point.value}: {_kind(error)}") from error
+    return factory
 
 
 def check_driver(name: str) -> EntryPoint:
-    """Where the driver of that name is; DriverError, listing the alternatives, when there is none."""
+    """Where the driver of that name is; ConfigError, listing the alternatives, when there is none."""
     installed = {point.name: point for point in entry_points(group=GROUP)}
     if not installed:
-        raise DriverError("no driver is registered: reinstall Farhand ('pip install -e .' in its folder)")
+        raise ConfigError("no driver is registered: reinstall Farhand ('pip install -e .' in its folder)")
     if name not in installed:
-        raise DriverError(f"there is no driver {name!r}; choose one of: {', '.join(sorted(installed))}")
+        raise ConfigError(f"there is no driver {name!r}; choose one of: {', '.join(sorted(installed))}")
     return installed[name]
 
 
@@ -69,5 +76,5 @@ def check_options(kind: type[S], options: Mapping[str, Option]) -> S:
     return config
 
 
-def _kind(error: Exception) -> str:
+def _kind(error: BaseException) -> str:
     return f"{type(error).__name__}: {error}"

@@ -92,22 +92,25 @@ def _positions(model: ArmModel, config: RobotConfig) -> tuple[Array, Array]:
     return lower, upper
 
 
-def load_arm(config: RobotConfig) -> tuple[ArmModel, JointLimits]:
-    """The configured arm and its limits; ModelError or ConfigError where either cannot be built."""
-    model = load_model(config)
-    return model, JointLimits.from_model(model, config)
-
-
 def load_model(config: RobotConfig) -> ArmModel:
-    """The configured arm; ModelError says where its file was looked for, or why it cannot be used."""
+    """The configured arm; ConfigError says where its file was looked for, or why it cannot be used."""
     if not config.urdf.is_file():
         built_in = ", ".join(sorted(path.name for path in MODELS.iterdir() if path.is_dir()))
-        raise ModelError(
+        raise ConfigError(
             f"robot.model {config.model!r} is neither a built-in model ({built_in}) nor the file of a URDF: there is "
             f"no {config.urdf.absolute()}; put it there, or give its path, in a configuration as seen from the "
             "configuration's folder, in --set from the working folder"
         )
-    return ArmModel.from_urdf(config.urdf, config.tool_frame, config.tool_T_tcp)
+    try:
+        return ArmModel.from_urdf(config.urdf, config.tool_frame, config.tool_T_tcp)
+    except ModelError as error:
+        raise ConfigError(" ".join(str(error).split())) from error
+
+
+def load_arm(config: RobotConfig) -> tuple[ArmModel, JointLimits]:
+    """The configured arm and its limits; ConfigError where either cannot be built."""
+    model = load_model(config)
+    return model, JointLimits.from_model(model, config)
 
 
 def _accelerations(model: ArmModel, config: RobotConfig) -> Array:

@@ -26,7 +26,6 @@ from common.process.service import StopFlag, notify
 from common.process.viewers import run_viewers
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
-from remote_site.drivers.registry import check_driver
 from remote_site.kinematics.limits import load_arm
 from remote_site.link_config import VIEWERS_TABLE
 from remote_site.recording.memory import RecordingMemory, memory_path
@@ -36,7 +35,7 @@ from remote_site.runtime.checks import check_robot, say_what_is_not_guarded
 from remote_site.runtime.control import run_control
 from remote_site.runtime.crash_marker import CrashMarker
 from remote_site.runtime.driver_process import run_driver
-from remote_site.runtime.emulated_robot import start_robot
+from remote_site.runtime.emulated_robot import REAL_ROBOT, start_robot, unused_address
 from remote_site.runtime.links import open_site_link
 from remote_site.runtime.site_memory import SiteMemory
 from remote_site.session.config import EngagementMode
@@ -133,9 +132,10 @@ def _check_start(config: RemoteConfig) -> None:
         check_free(links.viewers.listen, links.viewers.security)
     if not links.heard:
         structlog.get_logger().warning("nobody may operate: links.operators is empty", cure=NAME_OPERATORS)
-    check_driver(config.driver.name)
     check_robot(config)
     say_what_is_not_guarded(config)
+    if unused := unused_address(config.driver):
+        structlog.get_logger().warning("the robot is emulated", unused=unused, cure=REAL_ROBOT)
 
 
 def _watch(children: Children, validity: CertificateValidity, should_stop: StopFlag) -> None:

@@ -1,19 +1,25 @@
-"""Checks before the remote site starts a process: everything that its processes load of the arm is loaded once."""
+"""Checks before the remote site starts a process: all that its processes load of the arm, and the driver's own."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
 import structlog
 
-from common.errors import ConfigError, ModelError
+from common.errors import ConfigError, FarhandError, NotInstalledError
 from common.geometry import Array
 from remote_site.config import RemoteConfig
+from remote_site.drivers.checks_before_start import check_before_start
+from remote_site.drivers.config import DriverConfig
+from remote_site.drivers.listing import missing_package
+from remote_site.drivers.registry import load_factory
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.limits import JointLimits, load_model
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.runtime.driver_process import setup_with
+from remote_site.runtime.emulated_robot import check_emulator, options_before_start
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.stop_bound import check_stops
 from remote_site.safety.unguarded import in_one_line, unguarded
@@ -23,7 +29,14 @@ from remote_site.teleop.mapping import make_mapping
 from remote_site.video.streaming.encoding import can_encode
 from remote_site.video.streaming.h264 import H264_CURE
 
+DRIVER = "driver"
+
 T = TypeVar("T")
+
+
+def _raise(mistakes: Sequence["StartupMistake"]) -> None:
+    if mistakes:
+        raise ConfigError("\n".join(mistake.sentence for mistake in mistakes))
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,24 +60,35 @@ class _Loading:
             return load()
         except ConfigError as error:
             self.mistakes.extend(StartupMistake(part, line, cure) for line in str(error).splitlines())
-        except ModelError as error:
+        except FarhandError as error:
             self.mistakes.append(StartupMistake(part, " ".join(str(error).split()), cure))
         return None
 
 
 def check_robot(config: RemoteConfig) -> None:
     """ConfigError with every mistake for which the arm cannot be built, or cannot start at the configured posture."""
-    mistakes = find_mistakes(config)
-    if mistakes:
-        raise ConfigError("\n".join(mistake.sentence for mistake in mistakes))
+    _raise(find_mistakes(config))
+
+
+def check_driven_arm(config: RemoteConfig) -> None:
+    """ConfigError with every mistake for which there is no driver, or it cannot move the configured arm."""
+    loading = _Loading()
+    _load_driver(config, loading)
+    model = _load_model(config.robot, loading)
+    limits = _load_limits(model, config.robot, loading) if model is not None else None
+    if model is not None and limits is not None:
+        _load_start(limits, config.robot, loading)
+        _load_setup(model, limits, config, loading)
+    _raise(loading.mistakes)
 
 
 def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
     """What would end a process of the site that loads the arm; parts that need a broken one are not checked."""
-    loading, robot = _Loading(), config.robot
+    loading = _Loading()
+    _load_driver(config, loading)
     loading.load("video", f"{H264_CURE}, or video.codec = 'auto'", lambda: can_encode(config.video.codec))
     loading.load("mapping", "correct the table [mapping]", lambda: make_mapping(config.mapping))
-    model = loading.load("robot", "correct robot.model and robot.tool_frame, or that URDF", lambda: load_model(robot))
+    model = _load_model(config.robot, loading)
     if model is not None:
         _load_with(model, config, loading)
     return loading.mistakes
@@ -88,21 +112,56 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
         "correct robot.capsules and [safety.collision], or the URDF's collision elements",
         lambda: CollisionModel.from_urdf(robot.urdf, model, robot.capsules, collision),
     )
-    tighter = "correct robot.position_deg, robot.position_margin_deg, robot.acceleration_rad_s2 and robot.jerk_rad_s3"
-    limits = loading.load("limits", tighter, lambda: JointLimits.from_model(model, robot))
+    limits = _load_limits(model, robot, loading)
     box = "correct safety.workspace_min_m and _max_m: give the sides where the tool has to stop"
     loading.load("workspace", box, lambda: check_box(config.safety, model))
     if limits is None:
         return
-    quicker = "correct robot.jerk_rad_s3, robot.acceleration_rad_s2 and robot.speed, or safety.longest_stop_ms"
-    loading.load("stopping", quicker, lambda: check_stops(limits, robot.speed, config.safety.longest_stop_ms))
-    start = loading.load("start posture", "correct robot.start_deg", lambda: _start(robot, limits))
-    if start is None:
+    _load_setup(model, limits, config, loading)
+    if _load_start(limits, robot, loading) is None:
         return
     solvers = "correct robot.kinematics, robot.stance and [control.solver]"
     loading.load("kinematics", solvers, lambda: choose_target_tracker(robot, prediction(config), model, limits))
     if config.cell_is_simulated or config.views_are_simulated:
         loading.load("simulated cell", "correct [simulation], or that URDF", lambda: _build_simulation(config))
+
+
+def _load_driver(config: RemoteConfig, loading: _Loading) -> None:
+    cure = "correct driver.name, or install the package that offers it"
+    loading.load(DRIVER, cure, lambda: load_factory(config.driver.name))
+
+
+def _load_model(robot: RobotConfig, loading: _Loading) -> ArmModel | None:
+    return loading.load("robot", "correct robot.model and robot.tool_frame, or that URDF", lambda: load_model(robot))
+
+
+def _load_limits(model: ArmModel, robot: RobotConfig, loading: _Loading) -> JointLimits | None:
+    tighter = "correct robot.position_deg, robot.position_margin_deg, robot.acceleration_rad_s2 and robot.jerk_rad_s3"
+    return loading.load("limits", tighter, lambda: JointLimits.from_model(model, robot))
+
+
+def _load_start(limits: JointLimits, robot: RobotConfig, loading: _Loading) -> Array | None:
+    return loading.load("start posture", "correct robot.start_deg", lambda: _start(robot, limits))
+
+
+def _load_setup(model: ArmModel, limits: JointLimits, config: RemoteConfig, loading: _Loading) -> None:
+    """How long stops take, and what the driver itself checks of the arm and its options, where there is a driver."""
+    speed, longest_ms = config.robot.speed, config.safety.longest_stop_ms
+    quicker = "correct robot.jerk_rad_s3, robot.acceleration_rad_s2 and robot.speed, or safety.longest_stop_ms"
+    loading.load("stopping", quicker, lambda: check_stops(limits, speed, longest_ms))
+    if any(mistake.part == DRIVER for mistake in loading.mistakes):
+        return
+    setup, name = setup_with(config, model, limits), config.driver.name
+    loading.load(DRIVER, "install it, or correct driver.name", lambda: _check_packages(config.driver))
+    cure = "correct what it names, or give the configuration of that robot"
+    loading.load(DRIVER, cure, lambda: check_before_start(name, options_before_start(config.driver), setup))
+
+
+def _check_packages(driver: DriverConfig) -> None:
+    """NotInstalledError where a driver of Farhand's own, or its emulated robot, lacks a package of others."""
+    if missing := missing_package(driver.name):
+        raise NotInstalledError(missing)
+    check_emulator(driver)
 
 
 def _start(robot: RobotConfig, limits: JointLimits) -> Array:

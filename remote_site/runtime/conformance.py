@@ -17,10 +17,11 @@ from remote_site.drivers.conformance.machine_pauses import counts_pauses, machin
 from remote_site.drivers.conformance.suite import verdicts_of
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.conformance.verdicts import Verdict
-from remote_site.drivers.registry import DriverHost, check_driver, create_driver
+from remote_site.drivers.registry import DriverHost, create_driver
 from remote_site.runtime.app import run_cell_child
+from remote_site.runtime.checks import check_driven_arm
 from remote_site.runtime.driver_process import FIFO_PRIORITY, setup_of
-from remote_site.runtime.emulated_robot import start_robot
+from remote_site.runtime.emulated_robot import REAL_ROBOT, start_robot, unused_address
 from remote_site.simulation.memory import CellMemory
 
 DOZE_S = 0.002
@@ -33,11 +34,10 @@ def test_driver(config: RemoteConfig, report: Callable[[str], None]) -> Collecti
     """Run every check on the configured driver and report a line each; their verdicts."""
     start_log("driver test")
     name = config.driver.name
-    check_driver(name)
-    address = ADDRESS_OPTIONS.get(name)
-    if address is not None and address not in config.driver.options:
-        report(f"no driver.options.{address} is given, so this is the emulated robot")
-        config = msgspec.structs.replace(config, driver=msgspec.structs.replace(config.driver, emulate=True))
+    config, note = _emulated_without_address(config)
+    check_driven_arm(config)
+    if note:
+        report(note)
     if not counts_pauses():
         report(UNCOUNTED)
     children = Children("driver test")
@@ -51,6 +51,19 @@ def test_driver(config: RemoteConfig, report: Callable[[str], None]) -> Collecti
         children.end()
     report(f"{name}: {_summary(list(verdicts))}")
     return verdicts
+
+
+def _emulated_without_address(config: RemoteConfig) -> tuple[RemoteConfig, str]:
+    """With the emulated robot where no real one is named, and what to say of it, "" where that was asked."""
+    driver = config.driver
+    address = ADDRESS_OPTIONS.get(driver.name)
+    if driver.emulate:
+        unused = unused_address(driver)
+        return config, f"the robot is emulated, and {unused} is not used: {REAL_ROBOT}" if unused else ""
+    if address is None or driver.options.get(address):
+        return config, ""
+    emulated = msgspec.structs.replace(config, driver=msgspec.structs.replace(driver, emulate=True))
+    return emulated, f"no driver.options.{address} is given, so this is the emulated robot"
 
 
 def _summary(verdicts: list[Verdict]) -> str:

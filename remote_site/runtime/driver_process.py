@@ -16,7 +16,8 @@ from remote_site.drivers.memory import MOTION_ROWS, DriverMemory, DriverReport
 from remote_site.drivers.registry import DriverHost, create_driver
 from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
 from remote_site.drivers.supervisor.supervisor import DriverSupervisor
-from remote_site.kinematics.limits import JointRange, load_arm
+from remote_site.kinematics.limits import JointLimits, JointRange, load_arm
+from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.transition_log import FaultLog
 from remote_site.safety.stop_bound import check_stops
 from remote_site.simulation.memory import CellMemory
@@ -70,6 +71,11 @@ def setup_of(config: RemoteConfig) -> DriverSetup:
     """What every driver is configured with; ConfigError where its stops could take longer than configured."""
     model, limits = load_arm(config.robot)
     check_stops(limits, config.robot.speed, config.safety.longest_stop_ms)
+    return setup_with(config, model, limits)
+
+
+def setup_with(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> DriverSetup:
+    """The same with an arm that is loaded already, and whose stops are short enough."""
     return DriverSetup(
         joint_names=model.joint_names,
         limits=limits,

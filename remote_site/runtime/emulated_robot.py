@@ -6,15 +6,13 @@ from collections.abc import Mapping
 import msgspec
 
 from common.clock import Clock, MonotonicClock
-from common.errors import ConfigError
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.service import StopFlag
 from remote_site.config import RemoteConfig
-from remote_site.drivers.c500c import protocol as c500c_protocol
-from remote_site.drivers.config import FRANKA
-from remote_site.drivers.franka import robot_limits
+from remote_site.drivers.config import ADDRESS_OPTIONS, FRANKA, DriverConfig
 from remote_site.drivers.registry import Option
 
+REAL_ROBOT = "set driver.emulate = false, and leave --emulate out, for the real one"
 SIMULATED_FOLLOW_MS = 200.0  # its joints go to their setpoints like a spring on a damper, in 0.05 s
 
 
@@ -25,17 +23,30 @@ def start_robot(config: RemoteConfig, children: Children) -> tuple[RemoteConfig,
     """
     if not config.driver.emulate:
         return config, MonotonicClock()
-    is_franka = config.driver.name == FRANKA
-    joints = robot_limits.JOINTS if is_franka else c500c_protocol.JOINTS
-    if len(config.robot.start_deg) != joints:
-        raise ConfigError(
-            f"robot.model {config.robot.model!r} has {len(config.robot.start_deg)} joints, and the robot that is "
-            f"emulated for {config.driver.name} has {joints}: give the configuration of that robot"
-        )
-    start = _start_franka if is_franka else _start_c500c
+    start = _start_franka if config.driver.name == FRANKA else _start_c500c
     options, clock = start(config, children)
     driver = msgspec.structs.replace(config.driver, options=options)
     return msgspec.structs.replace(config, driver=driver), clock
+
+
+def unused_address(driver: DriverConfig) -> str:
+    """The key and value that say where the real robot is, where one is emulated instead; "" without."""
+    name = ADDRESS_OPTIONS.get(driver.name, "")
+    address = driver.options.get(name) if driver.emulate else None
+    return f"driver.options.{name} = {address!r}" if address else ""
+
+
+def check_emulator(driver: DriverConfig) -> None:
+    """NotInstalledError where a robot is to be emulated by what is not installed."""
+    if driver.emulate and driver.name == FRANKA:
+        from remote_site.drivers.franka.simulator import check_installed  # noqa: PLC0415  # a real robot needs none
+
+        check_installed()
+
+
+def options_before_start(driver: DriverConfig) -> Mapping[str, Option]:
+    """The options that the driver will be given, as far as they are known."""
+    return {**driver.options, ADDRESS_OPTIONS[driver.name]: "emulated"} if driver.emulate else driver.options
 
 
 def _start_c500c(config: RemoteConfig, children: Children) -> tuple[Mapping[str, Option], Clock]:
@@ -55,7 +66,6 @@ def _start_c500c(config: RemoteConfig, children: Children) -> tuple[Mapping[str,
 def _start_franka(config: RemoteConfig, children: Children) -> tuple[Mapping[str, Option], Clock]:
     from remote_site.drivers.franka import simulator  # noqa: PLC0415  # a real robot needs none
 
-    simulator.check_installed()
     host, clock = simulator.free_address(), simulator.SimulatedTime()
 
     def simulate(should_stop: StopFlag, heartbeat: Heartbeat) -> None:

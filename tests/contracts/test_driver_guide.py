@@ -4,6 +4,7 @@ import ast
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -12,7 +13,8 @@ import pytest
 
 import farhand.driver
 from common.clock import NS_PER_MS, FakeClock
-from common.errors import ConfigError
+from common.errors import ConfigError, DriverError
+from remote_site.drivers.checks_before_start import DECLARED
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.registry import DriverHost
@@ -81,6 +83,15 @@ def test_the_guide_checks_the_drivers_options() -> None:
     made = run(sources()[1])["LibraryDriver"]
     with pytest.raises(ConfigError, match=r"driver\.options\.lag: is not a key here; did you mean lag_s\?"):
         made(DriverHost(FakeClock(0), {"lag": 0.1}))
+
+
+def test_the_guides_driver_declares_what_it_checks_before_anything_starts() -> None:
+    (check,) = getattr(run(sources()[1])["LibraryDriver"], DECLARED)
+    check({"lag_s": 0.02}, SETUP)
+    with pytest.raises(ConfigError, match="did you mean lag_s"):
+        check({"lag": 0.1}, SETUP)
+    with pytest.raises(DriverError, match="this arm has 6 joints, the model 5"):
+        check({}, replace(SETUP, joint_names=SETUP.joint_names[:5]))
 
 
 def test_the_guide_imports_nothing_else_of_farhand() -> None:

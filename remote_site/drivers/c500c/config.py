@@ -1,9 +1,13 @@
 """The options of the A465's driver, in the table `driver.options`."""
 
+from collections.abc import Mapping
 from typing import Annotated
 
 import msgspec
 from msgspec import Meta
+
+from common.errors import ConfigError
+from remote_site.drivers.registry import Option, check_options
 
 
 class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -27,3 +31,11 @@ class C500cConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     strong_grip_s: Annotated[float, Meta(ge=0, le=15, description="how long a force above hold_percent lasts, s")] = (
         10.0
     )
+
+
+def c500c_options(options: Mapping[str, Option]) -> C500cConfig:
+    """The table `driver.options`; ConfigError for what is wrong in it, or where it names no serial line."""
+    config = check_options(C500cConfig, options)
+    if not config.port:
+        raise ConfigError("the c500c driver needs its serial line: set driver.options.port, or start with --emulate")
+    return config

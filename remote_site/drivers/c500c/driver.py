@@ -12,7 +12,14 @@ from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.exchange import Exchange, is_up
 from remote_site.drivers.c500c.port import Port
 from remote_site.drivers.c500c.protocol import JOINTS, Activation, ControllerState, Fault, Flag, Kind, Setpoint
-from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, JointCommand, RobotReading
+from remote_site.drivers.driver import (
+    Capabilities,
+    DriverSetup,
+    GripperReading,
+    JointCommand,
+    RobotReading,
+    check_joints,
+)
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 
 MOST_QUEUED = 2
@@ -63,8 +70,7 @@ class C500cDriver:
 
     def configure(self, setup: DriverSetup) -> None:
         """Check that the model has the arm's six joints."""
-        if len(setup.joint_names) != JOINTS:
-            raise DriverError(f"the controller moves {JOINTS} joints, the model has {len(setup.joint_names)}")
+        check_joints(setup, JOINTS, "an A465")
         self._setup = setup
 
     def activate(self, q0: Array) -> None:

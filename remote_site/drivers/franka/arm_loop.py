@@ -20,6 +20,7 @@ from remote_site.drivers.franka.robot_port import (
     MotionPort,
     RobotPort,
     RobotRefusedError,
+    UnreachableError,
 )
 from remote_site.drivers.franka.robot_watch import RobotWatch
 
@@ -123,8 +124,11 @@ class ArmLoop:
 
     def _lose(self, error: LinkLostError) -> None:
         """Connect anew, after a while; the stamps show since when nothing is measured."""
-        structlog.get_logger().warning("the robot does not answer", said=str(error))
-        self._end_motion(RobotFault(FaultCode.LINK, f"the robot does not answer: {error}; check cable and power"))
+        said = str(error)
+        if not isinstance(error, UnreachableError):
+            said = f"the robot does not answer any more ({said.removeprefix('libfranka: ')}): check cable and power"
+        structlog.get_logger().warning("no link to the robot", reason=said)
+        self._end_motion(RobotFault(FaultCode.LINK, said))
         self._watch.forget()
         self._q0, self._aborted = None, ""
         self._report()

@@ -6,13 +6,12 @@ makes them.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from common.errors import DriverError
 from common.geometry import Array
+from remote_site.drivers.franka.connecting import connection_error
 from remote_site.drivers.franka.robot_errors import ERRORS
 from remote_site.drivers.franka.robot_port import (
     ArmState,
@@ -28,13 +27,6 @@ if TYPE_CHECKING:
 MS_PER_S = 1000
 NS_PER_MS = 1_000_000
 ANY_WIDTH_M = 0.1  # of what is grasped: more than the hand opens
-MISSING = "the driver franka needs pylibfranka: pip install 'farhand[franka]'"
-
-
-def check_installed() -> None:
-    """DriverError where pylibfranka is missing."""
-    if find_spec("pylibfranka") is None:
-        raise DriverError(MISSING)
 
 
 class FrankaMotion:
@@ -59,14 +51,14 @@ class FrankaMotion:
 
 
 class FrankaRobot:
-    """A connection to the robot; LinkLostError when it cannot be made."""
+    """A connection to the robot; UnreachableError when it cannot be made, DriverError where it never can."""
 
     def __init__(self, host: str, *, realtime: bool) -> None:
         import pylibfranka  # noqa: PLC0415  # an extra, and only this process needs it
 
         config = pylibfranka.RealtimeConfig
         self._mode = pylibfranka.ControllerMode.JointImpedance
-        with _named():
+        with _connecting(host):
             self._robot = pylibfranka.Robot(host, config.kEnforce if realtime else config.kIgnore)
 
     def read(self) -> ArmState:
@@ -86,12 +78,12 @@ class FrankaRobot:
 
 
 class FrankaHand:
-    """A connection to the gripper's server; LinkLostError when it cannot be made."""
+    """A connection to the gripper's server; UnreachableError when it cannot be made."""
 
     def __init__(self, host: str) -> None:
         import pylibfranka  # noqa: PLC0415  # an extra, and only this process needs it
 
-        with _named():
+        with _connecting(host):
             self._gripper = pylibfranka.Gripper(host)
 
     def read(self) -> HandState:
@@ -112,6 +104,17 @@ class FrankaHand:
 
 
 @contextmanager
+def _connecting(host: str) -> Iterator[None]:
+    """Say why there is no connection."""
+    import pylibfranka  # noqa: PLC0415  # an extra, and only this process needs it
+
+    try:
+        yield
+    except (pylibfranka.FrankaException, RuntimeError) as error:  # which all others are
+        raise connection_error(host, str(error)) from error
+
+
+@contextmanager
 def _named() -> Iterator[None]:
     """Turn what pylibfranka raises into what the driver knows."""
     import pylibfranka  # noqa: PLC0415  # an extra, and only this process needs it
@@ -122,9 +125,6 @@ def _named() -> Iterator[None]:
         raise LinkLostError(str(error)) from error
     except pylibfranka.ControlException as error:
         raise MotionAbortedError(str(error)) from error
-    except pylibfranka.RealtimeException as error:
-        cure = "run a PREEMPT_RT kernel with the right to real-time scheduling"
-        raise DriverError(f"{error}; {cure}, or against a simulator set driver.options.realtime = false") from error
     except (
         pylibfranka.CommandException,
         pylibfranka.InvalidOperationException,

@@ -19,8 +19,9 @@ from remote_site.drivers.driver import (
 from remote_site.drivers.faults import NOT_ACTIVATED, STILL_MOVING, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.franka.arm_memory import ArmMemory, ArmStatus, HandMemory
 from remote_site.drivers.franka.config import FrankaConfig
+from remote_site.drivers.franka.connecting import SILENT
 from remote_site.drivers.franka.played_motion import WATCHDOG_MS
-from remote_site.drivers.franka.robot_limits import FR3, JOINTS, too_much
+from remote_site.drivers.franka.robot_limits import JOINTS, check_fr3
 from remote_site.drivers.supervisor.orders import DriverOrder
 
 RATE_HZ = 1000.0
@@ -71,12 +72,7 @@ class FrankaDriver:
 
     def configure(self, setup: DriverSetup) -> None:
         """Connect to the robot, and wait for its first state; DriverError where it does not answer."""
-        if len(setup.joint_names) != JOINTS:
-            raise DriverError(
-                f"an FR3 has {JOINTS} joints, the model {len(setup.joint_names)}: set robot.model = 'fr3'"
-            )
-        if wrong := too_much(setup.joint_names, setup.limits, FR3):
-            raise DriverError(wrong)
+        check_fr3(setup)
         self._setup = setup
         self._side.start(setup)
         try:
@@ -140,7 +136,7 @@ class FrankaDriver:
             if failure := self._side.failure():
                 raise DriverError(failure)
             if self._clock.now_ns() > end_ns:
-                raise DriverError(f"the robot at {self._config.host} does not answer; check its power and the cable")
+                raise DriverError(SILENT.format(host=self._config.host))
             self._clock.sleep_until_ns(self._clock.now_ns() + POLL_NS)
 
     def _measured(self) -> ArmStatus:

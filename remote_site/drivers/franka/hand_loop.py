@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable
+from typing import NoReturn
 
 import structlog
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
-from common.process.service import StopFlag
 from remote_site.drivers.franka.arm_memory import HandMemory
 from remote_site.drivers.franka.robot_port import HandPort, LinkLostError, RobotRefusedError
 
@@ -30,6 +30,7 @@ class HandLoop:
         self._connect, self._memory, self._clock = connect, memory, clock
         self._speed_m_s, self._force_n = speed_m_s, force_n
         self._hand: HandPort | None = None
+        self._told = False  # that there is no link
         self._done = 0
         self._widest_m = 0.0
         self._log = structlog.get_logger()
@@ -47,8 +48,10 @@ class HandLoop:
             self._widest_m = state.widest_m
             self._memory.report(self._done, state.opening_m)
         except LinkLostError as error:
-            self._log.warning("the gripper's server does not answer", said=str(error))
-            self._hand = None
+            if self._hand is not None or not self._told:
+                cure = "without a Franka Hand set driver.options.gripper = false"
+                self._log.warning("no link to the gripper", reason=str(error), cure=cure)
+            self._hand, self._told = None, True
             self._memory.report(self._done, math.nan)
             self._clock.sleep_until_ns(self._clock.now_ns() + AGAIN_NS)
 
@@ -71,9 +74,9 @@ class HandLoop:
             self._done = count
 
 
-def run_hand_loop(loop: HandLoop, clock: Clock, should_stop: StopFlag, beat: Callable[[], None]) -> None:
-    """Turn until asked to end; what the gripper holds stays held."""
-    while not should_stop():
+def run_hand_loop(loop: HandLoop, clock: Clock, beat: Callable[[], None]) -> NoReturn:
+    """Turn until this process is ended; what the gripper holds stays held."""
+    while True:
         loop.turn()
         beat()
         clock.sleep_until_ns(clock.now_ns() + PAUSE_NS)

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from common.errors import DriverError
 from common.geometry import Array
+from remote_site.drivers.driver import DriverSetup, check_joints
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 
@@ -59,19 +61,27 @@ FR3 = RobotLimits(
 )
 
 
-def too_much(names: Sequence[str], limits: JointLimits, own: RobotLimits) -> str:
-    """Which configured limits leave the robot's own no room for what late setpoints add, "" for none."""
-    for what, unit, values, most in (
-        ("acceleration", "rad/s²", limits.acceleration, ACCELERATION_SHARE * own.acceleration),
-        ("jerk", "rad/s³", limits.jerk, JERK_SHARE * own.jerk),
+def check_fr3(setup: DriverSetup) -> None:
+    """DriverError where the model has other joints than an FR3, or may do more than one; a line for each limit."""
+    check_joints(setup, JOINTS, "an FR3")
+    if mistakes := too_much(setup.joint_names, setup.limits, FR3):
+        raise DriverError("\n".join(mistakes))
+
+
+def too_much(names: Sequence[str], limits: JointLimits, own: RobotLimits) -> list[str]:
+    """Which configured limits leave the robot's own no room for what late setpoints add, a sentence for each."""
+    mistakes = []
+    for what, unit, key, values, most in (
+        ("acceleration", "rad/s²", "acceleration_rad_s2", limits.acceleration, ACCELERATION_SHARE * own.acceleration),
+        ("jerk", "rad/s³", "jerk_rad_s3", limits.jerk, JERK_SHARE * own.jerk),
     ):
-        for name, value, allowed in zip(names, values.tolist(), most.tolist(), strict=True):
-            if value > allowed:
-                return (
-                    f"the {what} of {name} is {value:g}, and more than {allowed:g} {unit} leaves no room for setpoints "
-                    "that come late: lower robot.acceleration_rad_s2 and robot.jerk_rad_s3"
-                )
-    return ""
+        worst = int(np.argmax(values / most))
+        if values[worst] > most[worst]:
+            mistakes.append(
+                f"the {what} of {names[worst]} is {values[worst]:g}, and more than {most[worst]:g} {unit} leaves no "
+                f"room for setpoints that come late: lower robot.{key}"
+            )
+    return mistakes
 
 
 class StepCheck:

@@ -11,6 +11,10 @@ class LinkLostError(DriverError):
     """The robot does not answer, or no longer."""
 
 
+class UnreachableError(LinkLostError):
+    """There is no connection; the text is the whole sentence, with the address and the cure."""
+
+
 class MotionAbortedError(DriverError):
     """The robot has broken off a motion; its next state has the errors."""
 

@@ -5,7 +5,7 @@ from functools import partial
 
 from common.clock import Clock
 from common.errors import ProcessError
-from common.process.children import Children, Heartbeat
+from common.process.children import Children, Heartbeat, ends_at_once
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.drivers.driver import DriverSetup
 from remote_site.drivers.franka.arm_loop import ArmLoop, run_arm_loop
@@ -32,7 +32,8 @@ class RobotProcesses:
         """Start them; they connect by themselves."""
         self._children.start("arm", partial(self._run_arm, setup))
         if self.hand is not None:
-            self._children.start("gripper", partial(self._run_hand, self.hand, setup), vital=False)
+            hand = partial(self._run_hand, self.hand, setup)
+            self._children.start("gripper", lambda _, heartbeat: hand(heartbeat), vital=False)
 
     def failure(self) -> str:
         """Why the arm's process has ended, "" while it runs."""
@@ -48,17 +49,22 @@ class RobotProcesses:
         self._ended = True
         self._children.end()
 
+    def _connect(self) -> FrankaRobot:
+        """Without a connection no arm has to be stopped, and a robot that is silent would be waited for a minute."""
+        with ends_at_once():
+            return FrankaRobot(self._config.host, realtime=self._config.realtime)
+
     def _run_arm(self, setup: DriverSetup, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
-        config = self._config
-        connect = connected_once(partial(FrankaRobot, config.host, realtime=config.realtime))
+        connect = connected_once(self._connect)
         loop = ArmLoop(RobotWatch(connect, self._clock), self.arm, setup)
         ask_for_real_time(FIFO_PRIORITY)
         gc.collect()
         gc.freeze()  # collecting all that was imported would take several of the robot's milliseconds
         run_arm_loop(loop, should_stop, heartbeat.beat)
 
-    def _run_hand(self, memory: HandMemory, setup: DriverSetup, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+    def _run_hand(self, memory: HandMemory, setup: DriverSetup, heartbeat: Heartbeat) -> None:
         config = self._config
         connect = partial(FrankaHand, config.host)
         loop = HandLoop(connect, memory, self._clock, config.gripper_speed_m_s, setup.grip_force_n)
-        run_hand_loop(loop, self._clock, should_stop, heartbeat.beat)
+        with ends_at_once():  # the client waits for the fingers; what they hold stays held
+            run_hand_loop(loop, self._clock, heartbeat.beat)

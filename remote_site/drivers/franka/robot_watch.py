@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from common.clock import NS_PER_S, Clock
 from common.errors import DriverError
-from remote_site.drivers.franka.robot_port import ArmState, LinkLostError, MotionPort, RobotPort, RobotRefusedError
+from remote_site.drivers.franka.robot_port import ArmState, MotionPort, RobotPort, UnreachableError
 from remote_site.drivers.franka.robot_time import RobotTime
 
 AGAIN_NS = NS_PER_S
@@ -21,7 +21,7 @@ class RobotWatch:
         self.stamp_ns = 0
 
     def connected(self) -> RobotPort:
-        """The robot; LinkLostError where it does not answer."""
+        """The robot; UnreachableError where there is no connection."""
         if self._robot is None:
             self._robot = self._connect()
         return self._robot
@@ -42,17 +42,17 @@ class RobotWatch:
 
 
 def connected_once(connect: Callable[[], RobotPort]) -> Callable[[], RobotPort]:
-    """A connection whose first failure ends the process with its sentence; later ones are tried again."""
+    """A connection whose first failure ends the process with its sentence; after a later one it is tried again."""
     seen = False
 
     def again() -> RobotPort:
         nonlocal seen
         try:
             robot = connect()
-        except (LinkLostError, RobotRefusedError) as error:
+        except UnreachableError as error:
             if seen:
-                raise LinkLostError(str(error)) from error
-            raise DriverError(f"the robot cannot be reached: {error}; is FCI active in Desk?") from error
+                raise
+            raise DriverError(str(error)) from error
         seen = True
         return robot
 

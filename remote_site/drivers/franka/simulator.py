@@ -12,9 +12,10 @@ from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 
 import numpy as np
+import structlog
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.errors import DriverError
+from common.errors import DriverError, NotInstalledError
 from common.process.log import log_summary
 from common.process.service import StopFlag, ask_for_real_time
 
@@ -25,6 +26,8 @@ MADE_UP_NS = 3 * NS_PER_MS
 SILENT_S = 10.0
 # Half of franky-sim's own damping (N m s/rad), with which its last joint trembles at rest from one step to the next.
 DAMPING = (225.0, 225.0, 175.0, 175.0, 100.0, 100.0, 100.0)
+REAL_TIME = 0.95  # of real time, at least, from the start of the process on
+SLOWER = "the simulated robot was slower than real time"
 MISSING = "the simulated FR3 needs franky-sim: pip install 'farhand[franka-sim]'"
 
 
@@ -55,9 +58,9 @@ class SimulatedTime:
 
 
 def check_installed() -> None:
-    """DriverError where franky-sim is missing."""
+    """NotInstalledError where franky-sim is missing."""
     if find_spec("franky_sim") is None:
-        raise DriverError(MISSING)
+        raise NotInstalledError(MISSING)
 
 
 def free_address() -> str:
@@ -93,4 +96,7 @@ def run_simulator(
                 due_ns = max(due_ns + NS_PER_MS, time.monotonic_ns() - MADE_UP_NS)
                 time.sleep(max(0, due_ns - time.monotonic_ns()) / NS_PER_S)
             pace = (clock.now_ns() - robot_ns) / max(time.monotonic_ns() - begun_ns, 1)
-            log_summary({"simulator": f"the robot's time passed at {pace:.2f} of real time"})
+            if pace < REAL_TIME:
+                structlog.get_logger().warning(SLOWER, pace=round(pace, 2))
+            else:
+                log_summary({"simulator": f"the robot's time passed at {pace:.2f} of real time"})

@@ -8,7 +8,7 @@ from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.geometry import Array
 from common.messages.robot import GripperCommand
-from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand, RobotReading
+from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand, RobotReading, check_joints
 from remote_site.drivers.faults import NOT_ACTIVATED, STILL_MOVING, STOPPED, RobotFault, apart
 from remote_site.drivers.position_arm.arm import PositionArm, PositionArmWithGripper
 from remote_site.drivers.position_arm.calls import ArmCalls, Calls
@@ -62,8 +62,7 @@ class PositionArmDriver:
 
     def configure(self, setup: DriverSetup) -> None:
         """Configure the arm; DriverError if the model has another number of joints."""
-        if len(setup.joint_names) != self._arm.joints:
-            raise DriverError(f"this arm has {self._arm.joints} joints, the model {len(setup.joint_names)}")
+        check_joints(setup, self._arm.joints)
         self._silence = Silence(setup.command_timeout_ns // 2)
         self._arm.configure(setup)
         self._setup = setup

@@ -7,11 +7,12 @@ import time
 from pathlib import Path
 
 import pytest
+from structlog.testing import capture_logs
 
 import common
 from common.clock import ClockOffset
 from common.errors import DriverError, ProcessError
-from common.process.children import SENT_TO_ALL, ChildMain, Children, Heartbeat
+from common.process.children import END, SENT_TO_ALL, ChildMain, Children, Heartbeat, ends_at_once
 from common.process.service import StopFlag, notify
 
 
@@ -151,17 +152,34 @@ def leaving(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG00
 @pytest.mark.parametrize(
     ("main", "reason"),
     [
-        (refusing, "no arm answers at address 7"),
-        (failing, "ValueError: xxx"),
-        (leaving, "SystemExit: no licence"),
+        (refusing, r"^no arm answers at address 7$"),
+        (failing, r"^test: process worker died \(exit code 1\): ValueError: xxx"),
+        (leaving, r"^test: process worker died \(exit code 1\): SystemExit: no licence"),
     ],
 )
 def test_a_child_that_raises_leaves_its_reason(main: ChildMain, reason: str) -> None:
     children = Children("test")
     child = children.start("worker", main)
     child.process.join(10.0)
-    with pytest.raises(ProcessError, match=rf"test: process worker died \(exit code 1\): {reason}"):
+    with pytest.raises(ProcessError, match=reason):
         children.check()
+
+
+def within_a_call(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001
+    with ends_at_once():
+        heartbeat.beat()
+        while True:  # a signal handler does not end it
+            time.sleep(1.0)
+
+
+def test_a_child_within_a_call_that_does_not_return_ends_at_once() -> None:
+    children = Children("test")
+    child = children.start("worker", within_a_call)
+    children.wait_ready(10.0, StopFlag())
+    with capture_logs() as logs:
+        children.end()
+    assert child.process.exitcode == -END
+    assert logs == []
 
 
 def test_a_killed_child_is_noticed() -> None:

@@ -276,6 +276,21 @@ def test_a_setting_without_a_file_goes_to_the_site_that_knows_it(
     assert [finding.level for finding in found].count("error") == wrong, found
 
 
+@pytest.mark.parametrize(
+    ("setting", "found"),
+    [
+        ("driver.emulate=false", "the franka driver needs the robot's address: set driver.options.host"),
+        ("driver.options.hots=172.16.0.2", "driver.options.hots: is not a key here; did you mean host?"),
+        ("robot.acceleration_rad_s2=[9]", "the acceleration of fr3_joint1 is 9, and more than 6 rad/s² leaves no room"),
+    ],
+)
+def test_what_a_driver_checks_itself_is_a_finding(setting: str, found: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("remote_site.drivers.listing.find_spec", lambda name: name)  # nothing of a robot is used
+    done = CliRunner().invoke(app, ["doctor", "--config", str(DRIVER_FILES[FRANKA]), "--set", setting])
+    assert f"error    driver: {found}" in done.output
+    assert done.exit_code == 1
+
+
 def test_a_driver_whose_package_is_missing_is_a_finding_with_its_cure(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("remote_site.drivers.listing.find_spec", lambda _: None)
     done = CliRunner().invoke(app, ["doctor", "--config", str(DRIVER_FILES[FRANKA])])

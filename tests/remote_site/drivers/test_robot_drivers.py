@@ -125,7 +125,7 @@ def test_drivers_are_found_by_name():
 @pytest.mark.usefixtures("registered")
 def test_an_unknown_driver_lists_the_alternatives():
     every = "broken, c500c, franka, kinematic, lab, simulated, unmade"
-    with pytest.raises(DriverError, match=rf"no driver 'c500'; choose one of: {every}$"):
+    with pytest.raises(ConfigError, match=rf"no driver 'c500'; choose one of: {every}$"):
         create_driver("c500", DriverHost(FakeClock()))
 
 
@@ -133,7 +133,7 @@ def test_an_unknown_driver_lists_the_alternatives():
 def test_what_a_driver_needs_is_told():
     with pytest.raises(DriverError, match="cell"):
         create_driver("simulated", DriverHost(FakeClock()))
-    with pytest.raises(DriverError, match=r"driver\.options\.port"):
+    with pytest.raises(ConfigError, match=r"driver\.options\.port"):
         create_driver("c500c", DriverHost(FakeClock()))
     with pytest.raises(DriverError, match="cannot open the serial line /dev/none"):
         create_driver("c500c", DriverHost(FakeClock(), {"port": "/dev/none"}))
@@ -144,7 +144,7 @@ def test_what_a_driver_needs_is_told():
 @pytest.mark.usefixtures("registered")
 def test_installed_packages_offer_drivers():
     assert isinstance(create_driver("lab", DriverHost(FakeClock())), KinematicDriver)
-    with pytest.raises(DriverError, match="no_such_package:make"):
+    with pytest.raises(ConfigError, match="no_such_package:make"):
         create_driver("broken", DriverHost(FakeClock()))
     with pytest.raises(DriverError, match=r"'unmade' cannot be made: .*kinematic:CAPABILITIES raised TypeError"):
         create_driver("unmade", DriverHost(FakeClock()))
@@ -152,5 +152,5 @@ def test_installed_packages_offer_drivers():
 
 def test_an_installation_without_drivers_is_told_its_cure(monkeypatch):
     monkeypatch.setattr(registry, "entry_points", lambda group: [])  # noqa: ARG005
-    with pytest.raises(DriverError, match="pip install -e"):
+    with pytest.raises(ConfigError, match="pip install -e"):
         check_driver("kinematic")

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from structlog.testing import capture_logs
 
 from common.config import load_config
-from common.errors import ConfigError, ModelError
+from common.errors import ConfigError
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import DriverConfig
 from remote_site.kinematics.config import CapsuleConfig, RobotConfig
@@ -165,7 +165,7 @@ def test_a_file_of_the_same_name_in_the_working_folder_is_never_taken_for_the_ar
     config = load_config(RemoteConfig, Path("cell/arm.toml"))
     (mistake,) = find_mistakes(config)
     assert f"there is no {tmp_path / 'cell' / 'arm.urdf'}; put it there" in mistake.sentence
-    with pytest.raises(ModelError, match=r"there is no .*/cell/arm\.urdf"):
+    with pytest.raises(ConfigError, match=r"there is no .*/cell/arm\.urdf"):
         load_arm(config.robot)
 
 

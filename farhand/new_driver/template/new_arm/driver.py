@@ -1,10 +1,22 @@
 """The driver of new_arm: what Farhand asks of an arm, said in the words of the arm's own library."""
 
+from collections.abc import Mapping
+
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from farhand.driver import DriverError, DriverHost, DriverSetup, PositionArm, PositionArmDriver, check_options
+from farhand.driver import (
+    DriverError,
+    DriverHost,
+    DriverSetup,
+    Option,
+    PositionArm,
+    PositionArmDriver,
+    check_joints,
+    check_options,
+    checked_by,
+)
 
 from .simulated_library import SimulatedLibrary
 
@@ -47,6 +59,13 @@ class NewArm(PositionArm):
         self._library.hold()  # REPLACE
 
 
+def check_configuration(options: Mapping[str, Option], setup: DriverSetup) -> None:
+    """What needs no arm to be found wrong: `farhand doctor` and each start ask for it first."""
+    check_options(NewArmOptions, options)
+    check_joints(setup, NewArm.joints)
+
+
+@checked_by(check_configuration)
 def new_arm(host: DriverHost) -> PositionArmDriver:
     """The arm new_arm, simulated as yet."""
     options = check_options(NewArmOptions, host.options)

@@ -1,7 +1,8 @@
 """The driver does all that Farhand expects of one, with the simulated arm on a clock that moves by itself."""
 
 import numpy as np
-from new_arm.driver import NewArm, new_arm
+import pytest
+from new_arm.driver import NewArm, check_configuration, new_arm
 from new_arm.simulated_library import SimulatedLibrary
 
 from farhand.driver import (
@@ -33,6 +34,12 @@ def test_the_driver_conforms():
     arm.threaded = False  # a thread does not know this clock, and the simulated arm does not wait
     stand = DriverStand(clock, SETUP, lambda: PositionArmDriver(arm, clock), start=np.zeros(JOINTS))
     assert run_checks(stand, lines.append) == [], lines
+
+
+def test_an_option_that_it_does_not_know_is_found_before_it_is_made():
+    check_configuration({}, SETUP)
+    with pytest.raises(Exception, match="did you mean port"):
+        check_configuration({"prt": "simulated"}, SETUP)
 
 
 def test_farhand_can_make_it():

@@ -10,7 +10,7 @@ from common.messages.robot import GripperCommand
 from remote_site.drivers.conformance.checks import CHECKS
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.franka.robot_limits import FR3
-from remote_site.drivers.franka.robot_port import LinkLostError, MotionAbortedError, RobotRefusedError
+from remote_site.drivers.franka.robot_port import LinkLostError, MotionAbortedError, RobotRefusedError, UnreachableError
 from remote_site.kinematics.joints import JointMotion
 from tests.remote_site.drivers.franka.driven_arm import DrivenArm
 from tests.remote_site.drivers.franka.fake_robot import (
@@ -127,7 +127,7 @@ def test_a_lost_link_is_a_fault_and_a_reading_that_ages_until_it_is_back() -> No
     reading = arm.read()
     assert reading.fault is not None
     assert (reading.fault.code.value, reading.t_ns) == ("link", t_ns)
-    assert "UDP receive: Timeout; check cable and power" in reading.fault.sentence
+    assert reading.fault.sentence == "the robot does not answer any more (UDP receive: Timeout): check cable and power"
     arm.robot.mode = "Idle"
     arm.side.pass_ms(100)
     assert arm.read().t_ns > t_ns
@@ -150,6 +150,15 @@ def test_an_activation_that_a_lost_link_overtook_moves_nothing_later() -> None:
     arm.robot.raises["read"] = LinkLostError("gone")
     arm.side.pass_ms(100)
     assert (arm.code(), arm.robot.calls) == ("link", [])
+
+
+def test_a_link_that_cannot_be_made_again_says_why() -> None:
+    arm = DrivenArm().activate().move(200)
+    arm.robot.raises["read"] = UnreachableError("the robot at fake refuses the connection: activate FCI")
+    arm.side.pass_ms(1)
+    fault = arm.read().fault
+    assert fault is not None
+    assert fault.sentence == "the robot at fake refuses the connection: activate FCI"
 
 
 def test_setpoints_that_cease_lead_to_rest() -> None:
@@ -211,8 +220,8 @@ def test_limits_without_room_for_late_setpoints_are_refused() -> None:
 
 def test_a_robot_that_does_not_answer_ends_the_configuration_with_why() -> None:
     silent = SteppedSide(FakeRobot(), None)
-    silent.failed = "the robot cannot be reached: Connection refused; is FCI active in Desk?"
-    with pytest.raises(DriverError, match="is FCI active"):
+    silent.failed = "the robot at fake refuses the connection: activate FCI in its page Desk"
+    with pytest.raises(DriverError, match=r"^the robot at fake refuses"):
         stepped_driver(silent).configure(SETUP)
     assert silent.ended
 

@@ -57,7 +57,7 @@ def test_lost_milliseconds_count_as_their_time() -> None:
 
 
 def test_the_ready_configuration_leaves_room_and_brakes_before_the_robot_demands_it() -> None:
-    assert too_much(SETUP.joint_names, SETUP.limits, FR3) == ""
+    assert too_much(SETUP.joint_names, SETUP.limits, FR3) == []
     own = SETUP.own_range
     assert own is not None
     assert np.allclose((own.lower, own.upper, own.velocity), (FR3.lower, FR3.upper, FR3.velocity))
