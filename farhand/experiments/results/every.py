@@ -27,14 +27,14 @@ def run_every(
             make_folder("--out", out / name)
             write_report(run(name), out / name)
             write_result(out / name / DONE, json.dumps({"version": version, "quick": quick}).encode())
-        _write_page([each for each in names if _is_done(out / each, quick, version)], out, quick)
+        _write_page([each for each in names if _is_done(out / each, quick, version)], out, quick, version)
     return f"every table and figure is listed in {out / 'results.md'}"
 
 
-def _write_page(names: Sequence[str], out: Path, quick: bool) -> None:
+def _write_page(names: Sequence[str], out: Path, quick: bool, version: str) -> None:
     reports = {name: _figures(out / name) for name in names}
-    write_result(out / "results.md", as_markdown(reports, quick).encode())
-    write_result(out / "results.html", as_html(reports, quick).encode())
+    write_result(out / "results.md", as_markdown(reports, version, quick).encode())
+    write_result(out / "results.html", as_html(reports, version, quick).encode())
 
 
 def _is_done(folder: Path, quick: bool, version: str) -> bool:

@@ -57,26 +57,26 @@ class _Section:
     text: Sequence[str] = ()
 
 
-def as_markdown(reports: Reports, quick: bool) -> str:
-    """The page for the documentation."""
-    parts = [f"# {TITLE}", _about(quick)]
+def as_markdown(reports: Reports, version: str, quick: bool) -> str:
+    """The page for the documentation, of this version of Farhand."""
+    parts = [f"# {TITLE}", _about(version, quick)]
     for section in _sections(reports):
         parts += [f"## {section.title}", *section.text, *(_markdown_table(head, rows) for head, rows in section.tables)]
     return "\n\n".join(parts) + "\n"
 
 
-def as_html(reports: Reports, quick: bool) -> str:
+def as_html(reports: Reports, version: str, quick: bool) -> str:
     """The same page for a browser."""
-    body = [paragraph(_about(quick))]
+    body = [paragraph(_about(version, quick))]
     for section in _sections(reports):
         body += [heading(section.title), *map(paragraph, section.text)]
         body += [*(table(head, rows) for head, rows in section.tables)]
     return page(TITLE, body)
 
 
-def _about(quick: bool) -> str:
+def _about(version: str, quick: bool) -> str:
     short = " This is a quick run, whose figures are of a few frames and trials." if quick else ""
-    return f"{ABOUT}{short} The whole page is written by `farhand experiment all`."
+    return f"{ABOUT}{short} The whole page is written by `farhand experiment all`, here of version {version}."
 
 
 def _sections(reports: Reports) -> list[_Section]:

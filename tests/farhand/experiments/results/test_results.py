@@ -54,17 +54,20 @@ def test_every_figure_of_the_reports_results_is_listed():
 
 
 def test_a_row_has_both_figures_and_the_ratio():
-    page = as_markdown(reports(2.5), quick=False)
+    page = as_markdown(reports(2.5), "1.2.3", quick=False)
     assert "| table 6.12 | a block placed, roll fixed: x | 11.6 mm | 2.5 mm | 0.22 |" in page
     assert "| 2 Mbit/s | 9 of 10 | 2 (1–3) | 2.0 | 2.0 | 2.0 | 61 |" in page
     assert "| 3 % lost |" in page
+    assert "here of version 1.2.3." in page
     assert "| 120 ms each way |" in page
 
 
 def test_every_series_of_placing_has_a_row_with_quartiles():
     made = reports()
     made["placing"][FREE]["assist"] = {**made["placing"][FREE]["silhouette"], "x_mm": FIGURE, "holds": 0}
-    row = next(line for line in as_markdown(made, quick=False).splitlines() if line.startswith("| all | assist |"))
+    row = next(
+        line for line in as_markdown(made, "1.2.3", quick=False).splitlines() if line.startswith("| all | assist |")
+    )
     assert row.startswith("| all | assist | 9 of 10 | 2 (1–3) | 2.0 (1.0–3.0) |")
     assert row.endswith("| 3 | 3 | 3 | 0 | 2 (1–3) | 2 (1–3) |")
 
@@ -74,7 +77,7 @@ def test_why_a_series_failed_is_told_with_the_figures_and_a_row_for_every_cause(
     made["causes"][FREE] = made["causes"][FREE] | {
         "exact_hand": {**made["causes"][FREE]["as_it_is"], "x_mm": {"median": 7.7}}
     }
-    page = as_markdown(made, quick=False)
+    page = as_markdown(made, "1.2.3", quick=False)
     assert "the block is left 7.7 mm, 2.0 mm and 2.0 deg off with all rotations" in page
     assert "| exact hand | 2.0 | 2.0 | 2.0 | 9 of 10 | 2 | 7.7 | 2.0 | 2.0 | 9 of 10 | 2 |" in page
     assert len([line for line in page.splitlines() if line.count("|") == 12]) == len(CAUSES) + 2
@@ -83,18 +86,18 @@ def test_why_a_series_failed_is_told_with_the_figures_and_a_row_for_every_cause(
 def test_what_a_quick_run_leaves_out_is_a_dash_and_the_page_says_so():
     short = reports()
     del short["markers"]["runs"]["Farhand"]["table 6.9, XZ, wrist"]
-    page = as_markdown(short, quick=True)
+    page = as_markdown(short, "1.2.3", quick=True)
     row = next(line for line in page.splitlines() if line.startswith("| table 6.9 |"))
     assert row.endswith("| – | – |")
     assert "quick run" in page
-    assert "quick run" not in as_markdown(short, quick=False)
+    assert "quick run" not in as_markdown(short, "1.2.3", quick=False)
 
 
 def test_both_pages_have_the_same_numbers():
     def numbers(text):
         return re.findall(r"\d+\.\d+ mm", text)
 
-    markdown, html = as_markdown(reports(), quick=False), as_html(reports(), quick=False)
+    markdown, html = as_markdown(reports(), "1.2.3", quick=False), as_html(reports(), "1.2.3", quick=False)
     assert numbers(markdown) == numbers(html)
     assert len(numbers(markdown)) > 60
 
