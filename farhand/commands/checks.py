@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.options import ConfigFile, Emulate, Settings, driver_file, emulation, load_own
+from farhand.commands.options import ConfigFile, Emulate, Settings, driver_file, emulation, load_own, until_signal
 from farhand.exit_codes import FAILED, UNDECIDED
 from farhand.terminal import say
 
@@ -100,7 +100,8 @@ def run_suite(
 ) -> None:
     """Check a driver against everything that Farhand expects of one; it MOVES the gripper and every joint, one by 40°.
 
-    The exit code is 1 if a check failed, 3 if none did but this machine was too busy to judge some: repeat them.
+    Ctrl-C stops the robot first. The exit code is 1 if a check failed, 3 if none did but this machine was too busy to
+    judge some: repeat them.
 
     Example: farhand driver test kinematic
     """
@@ -110,7 +111,7 @@ def run_suite(
 
     chosen = [*(settings or ()), f"driver.name={name}", *emulation(emulate)]
     loaded = load_own(RemoteConfig, config or driver_file(name), chosen)
-    verdicts = test_driver(loaded, say)
+    verdicts = test_driver(loaded, say, until_signal())
     if Verdict.FAILED in verdicts:
         raise typer.Exit(FAILED)
     if Verdict.REPEAT in verdicts:

@@ -8,6 +8,7 @@ from functools import partial
 import msgspec
 
 from common.clock import MonotonicClock
+from common.errors import InterruptionError
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.log import start_log
 from common.process.service import StopFlag, ask_for_real_time
@@ -30,8 +31,11 @@ UNCOUNTED = (
 )
 
 
-def test_driver(config: RemoteConfig, report: Callable[[str], None]) -> Collection[Verdict]:
-    """Run every check on the configured driver and report a line each; their verdicts."""
+def test_driver(config: RemoteConfig, report: Callable[[str], None], should_stop: StopFlag) -> Collection[Verdict]:
+    """Run every check on the configured driver and report a line each; their verdicts.
+
+    InterruptionError, once the robot rests, when asked to stop.
+    """
     start_log("driver test")
     name = config.driver.name
     config, note = _emulated_without_address(config)
@@ -42,7 +46,7 @@ def test_driver(config: RemoteConfig, report: Callable[[str], None]) -> Collecti
         report(UNCOUNTED)
     children = Children("driver test")
     try:
-        stand = _stand(config, children)
+        stand = _stand(config, children, should_stop)
         ask_for_real_time(FIFO_PRIORITY)  # as the driver's process does
         gc.collect()
         gc.freeze()  # as there: collecting all that was imported takes as long as a call may
@@ -74,18 +78,20 @@ def _summary(verdicts: list[Verdict]) -> str:
     return ", ".join(filter(None, (f"{failed} failed" if failed else "none failed", again)))
 
 
-def _stand(config: RemoteConfig, children: Children) -> DriverStand:
+def _stand(config: RemoteConfig, children: Children, should_stop: StopFlag) -> DriverStand:
     memory = None
     config, clock = start_robot(config, children)
     if config.cell_is_simulated:
         memory = CellMemory.create(len(config.robot.start_deg))
         children.start("cell", partial(run_cell_child, config, memory, None))
     children.start("probe", _doze)
-    children.wait_ready(READY_TIMEOUT_S, StopFlag())
+    children.wait_ready(READY_TIMEOUT_S, should_stop)
+    if should_stop():
+        raise InterruptionError("interrupted before the robot was moved")
     host = DriverHost(clock, config.driver.options, memory)
     make = partial(create_driver, config.driver.name, host)
     measure_pauses = partial(machine_pauses, children.numbers)
-    return DriverStand(clock, setup_of(config), make, config.robot.start, measure_pauses, MonotonicClock())
+    return DriverStand(clock, setup_of(config), make, config.robot.start, measure_pauses, MonotonicClock(), should_stop)
 
 
 def _doze(should_stop: StopFlag, heartbeat: Heartbeat) -> None:

@@ -60,8 +60,9 @@ def test_a_refusal_is_one_harmless_line(
 def test_a_driver_under_test_says_harmless_lines(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def test_driver(config: object, report: Callable[[str], None]) -> list[Verdict]:
+    def test_driver(config: object, report: Callable[[str], None], should_stop: object) -> list[Verdict]:
         assert config is not None
+        assert should_stop is not None
         report(SAID)
         return [Verdict.PASSED]
 

@@ -4,11 +4,20 @@ import threading
 from collections.abc import Callable, Sequence
 
 from common.clock import NS_PER_S, MonotonicClock
-from common.errors import DriverError
+from common.errors import DriverError, InterruptionError
 from remote_site.drivers.conformance.call_watch import CallWatch
 from remote_site.drivers.conformance.checks import CHECKS, Check
 from remote_site.drivers.conformance.driver_under_test import CallMonitor
-from remote_site.drivers.conformance.trial import DriverStand, Failed, Hopeless, Skipped, TooSlow, Trial, as_sentence
+from remote_site.drivers.conformance.trial import (
+    DriverStand,
+    Failed,
+    Hopeless,
+    Interrupted,
+    Skipped,
+    TooSlow,
+    Trial,
+    as_sentence,
+)
 from remote_site.drivers.conformance.verdicts import ATTEMPTS, Attempt, CheckResult, Verdict, judge
 from remote_site.drivers.faults import FaultCode
 
@@ -31,11 +40,16 @@ def run_checks(
 def verdicts_of(
     stand: DriverStand, report: Callable[[str], None], checks: Sequence[Check] = CHECKS, call_s: float = CALL_S
 ) -> dict[str, Verdict]:
-    """Run every check and report a line for each; the verdicts by the checks' names."""
+    """Run every check and report a line for each; the verdicts by the checks' names.
+
+    InterruptionError, once the robot rests, when a person wants the end.
+    """
     verdicts: dict[str, Verdict] = {}
     reported: dict[str, str] = {}  # the check in which a slow call was reported, by the call's name
     for check in checks:
         result = _repeated(check, stand, call_s, reported)
+        if stand.should_stop():
+            raise InterruptionError(f"interrupted; {_left(result)}")
         report(f"{result.verdict.value:<8}{check.__name__.replace('_', ' '):<20} {result.sentence}")
         verdicts[check.__name__] = result.verdict
         if result.last:
@@ -44,12 +58,19 @@ def verdicts_of(
     return verdicts
 
 
+def _left(result: CheckResult) -> str:
+    """How an interrupted check has left the robot."""
+    if result.last:
+        return f"{result.sentence}: if the robot moves, use the emergency stop"
+    return "the robot was stopped and let go of"
+
+
 def _repeated(check: Check, stand: DriverStand, call_s: float, reported: dict[str, str]) -> CheckResult:
     """The verdict on a check, repeated while the machine's pauses leave it open."""
     for _ in range(ATTEMPTS):
         attempt = _watched(check, stand, call_s)
         result = judge(attempt, reported)
-        if result.verdict is not Verdict.REPEAT:
+        if result.verdict is not Verdict.REPEAT or stand.should_stop():
             break
     if result.verdict is Verdict.FAILED:
         reported |= {call.name: check.__name__ for call in attempt.slow}
@@ -81,15 +102,18 @@ def _tried(check: Check, stand: DriverStand, monitor: CallMonitor) -> Attempt:
         except (Exception, SystemExit) as error:  # an installed driver may raise anything
             sentence = as_sentence(monitor.raised or "its construction", error)
             return Attempt(CheckResult(Verdict.FAILED, sentence, last=True))
-        try:
-            return _attempt(check, trial, monitor)
-        finally:
-            _end(trial)
+        attempt = _attempt(check, trial, monitor)
+        wrong = _end(trial, monitor)
+        if wrong and stand.should_stop():
+            return Attempt(CheckResult(Verdict.FAILED, wrong, last=True))
+        return attempt
 
 
 def _attempt(check: Check, trial: Trial, monitor: CallMonitor) -> Attempt:
     try:
         check(trial)
+    except Interrupted:
+        return Attempt(CheckResult(Verdict.SKIPPED, "interrupted"))
     except Skipped as skipped:
         return Attempt(CheckResult(Verdict.SKIPPED, str(skipped)))
     except (Failed, DriverError) as error:
@@ -109,12 +133,10 @@ def _attempt(check: Check, trial: Trial, monitor: CallMonitor) -> Attempt:
     return Attempt(CheckResult(Verdict.PASSED, (check.__doc__ or "").strip()))
 
 
-def _end(trial: Trial) -> None:
-    """Leave the robot at rest for the next check."""
+def _end(trial: Trial, monitor: CallMonitor) -> str:
+    """Leave the robot at rest for the next check; why that failed, which an uninterrupted check has reported itself."""
     try:
-        trial.driver.stop()
-        trial.run(700)
-        trial.driver.deactivate()
-        trial.run(100)
-    except (Exception, SystemExit):  # noqa: S110  # the check has reported what is wrong
-        pass
+        trial.end()
+    except (Exception, SystemExit) as error:
+        return as_sentence(monitor.raised or "the robot's end", error)
+    return ""

@@ -43,6 +43,10 @@ class TooSlow(Failed):
     """Calls that took too long, and nothing else."""
 
 
+class Interrupted(Exception):  # noqa: N818  # a person's wish, not an error of the program
+    """A person wants the suite to end."""
+
+
 class Skipped(Exception):  # noqa: N818  # a check's verdict, not an error of the program
     """Why the check does not apply to this driver."""
 
@@ -54,12 +58,18 @@ def as_sentence(call: str, error: BaseException) -> str:
     return f"{call} raised {type(error).__name__}: {error}"
 
 
+def never() -> bool:
+    """Nobody ends this suite before its time."""
+    return False
+
+
 @dataclass(frozen=True, slots=True)
 class DriverStand:
     """A test stand: its clock, what makes a driver, and the posture in which the robot starts.
 
     `measure_pauses` is for a clock of real time, so that pauses of the machine are not taken for the driver's.
     `call_clock` times the calls where the stand's clock is a simulator's, which may be slower than they are.
+    `should_stop` says that a person wants the suite to end.
     """
 
     clock: Clock
@@ -68,6 +78,7 @@ class DriverStand:
     start: Array
     measure_pauses: MeasurePauses = no_pauses
     call_clock: Clock | None = None
+    should_stop: Callable[[], bool] = never
 
 
 class NoMark:
@@ -93,6 +104,7 @@ class Trial:
         self.supervisor = DriverSupervisor(self.driver, self.setup, stand.clock, NoMark(), GripWatch(GripSettings()))
         self.log: list[RobotReading] = []
         self.commanded: list[tuple[int, Array]] = []  # time in ns and joints at each reading of the log
+        self._should_stop = stand.should_stop
         self._start = stand.start
         self._way = stand.start, stand.start  # of the last motion that was commanded, from and to
         self._activation = self._seq = 0
@@ -160,9 +172,11 @@ class Trial:
             raise kind(self._not_ready(given))
 
     def run(self, ms: float, orders: list[DriverOrder] | None = None) -> None:
-        """Let time pass, with the driver called as by its process."""
+        """Let time pass, with the driver called as by its process; Interrupted when a person wants the end."""
         end_ns = self.clock.now_ns() + round(ms * NS_PER_MS)
         while self.clock.now_ns() < end_ns:
+            if self._should_stop():
+                raise Interrupted
             self.clock.sleep_until_ns(self.clock.now_ns() + STEP_MS * NS_PER_MS)
             self.supervisor.take(orders or [], self.clock.now_ns())
             orders = None
@@ -171,6 +185,14 @@ class Trial:
                 self.log.append(self.supervisor.reading)
                 self.commanded.append((self.clock.now_ns(), self.supervisor.commanded.motion.q))
             self.watch.note_pause()
+
+    def end(self) -> None:
+        """Stop the robot, let it come to rest, and let go of it, also where a person has interrupted the check."""
+        self._should_stop = never
+        self.driver.stop()
+        self.run(700)
+        self.driver.deactivate()
+        self.run(100)
 
     def move(self, target: Array, ms: float, gripper: GripperCommand = GripperCommand.KEEP) -> None:
         """Command motion to `target` for `ms`, and the gripper, one command a tick."""

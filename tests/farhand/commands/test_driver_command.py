@@ -1,6 +1,8 @@
 """How `farhand driver test` ends: 1 where a check failed, 3 where none did but some have to be repeated."""
 
 import gc
+import signal
+import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 
@@ -9,6 +11,7 @@ import structlog
 
 from common.config import load_config
 from common.process.log import finish_log
+from common.process.service import StopFlag
 from farhand.cli import main
 from remote_site.config import RemoteConfig
 from remote_site.drivers.conformance.trial import DriverStand
@@ -68,6 +71,19 @@ def test_the_last_line_counts_both(verdicts: Sequence[Verdict], summary: str, mo
     lines: list[str] = []
     monkeypatch.setattr(conformance, "verdicts_of", verdicts_of)
     monkeypatch.setattr(conformance, "ask_for_real_time", lambda _: True)
-    conformance.test_driver(load_config(RemoteConfig, None, ["driver.name=kinematic"]), lines.append)
+    conformance.test_driver(load_config(RemoteConfig, None, ["driver.name=kinematic"]), lines.append, StopFlag())
     assert seen
     assert lines[-1] == summary
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_suite_in_order_once_the_robot_rests(number: signal.Signals) -> None:
+    command = [sys.executable, "-m", "farhand", "driver", "test", "kinematic"]
+    suite = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert suite.stdout is not None
+    assert suite.stdout.readline().startswith("passed")
+    suite.send_signal(number)
+    _, said = suite.communicate(timeout=60)
+    assert suite.returncode == 130
+    assert said.splitlines()[-1] == "farhand: interrupted; the robot was stopped and let go of"
+    assert "leaked" not in said

@@ -4,6 +4,7 @@ import pytest
 
 from common.config import load_config
 from common.errors import ConfigError
+from common.process.service import StopFlag
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import DRIVER_FILES, FRANKA
 from remote_site.runtime import conformance
@@ -83,14 +84,15 @@ def test_the_suite_says_why_a_robot_is_emulated_where_it_was_not_just_asked_for(
     lines: list[str] = []
     begun = RuntimeError("the checks begin")
 
-    def begin(config: RemoteConfig, children: object) -> None:
+    def begin(config: RemoteConfig, children: object, should_stop: object) -> None:
         assert config.driver.emulate
         assert children
+        assert should_stop
         raise begun
 
     monkeypatch.setattr(conformance, "_stand", begin)
     monkeypatch.setattr(conformance, "counts_pauses", lambda: True)
     with pytest.raises(RuntimeError, match="the checks begin"):
-        conformance.test_driver(configured("franka", *settings), lines.append)
+        conformance.test_driver(configured("franka", *settings), lines.append, StopFlag())
     assert len(lines) == bool(line)
     assert "".join(lines).startswith(line)
