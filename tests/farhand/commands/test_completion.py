@@ -46,6 +46,7 @@ def test_commands_options_and_choices_are_completed(completed) -> None:
 
 
 def test_run_as_a_module_it_writes_the_same_script() -> None:
-    command = [sys.executable, "-m", "farhand", "--show-completion"]
-    told = subprocess.run(command, capture_output=True, text=True, check=True, env=os.environ | {"SHELL": "/bin/bash"})
+    # The shell is found among the parents, so bash has to stay: with one command alone it would become that.
+    command = ["bash", "-c", f'"{sys.executable}" -m farhand --show-completion; exit $?']
+    told = subprocess.run(command, capture_output=True, text=True, check=True)
     assert "_farhand_completion()" in told.stdout
