@@ -72,8 +72,11 @@ class Places:
 
 
 def read_urdf(path: Path) -> bytes:
-    """The maker's file; ModelError where it cannot be read."""
+    """The maker's file; ModelError where it cannot be read, or is one that an import wrote."""
     try:
-        return path.read_bytes()
+        urdf = path.read_bytes()
     except OSError as error:
         raise ModelError(f"cannot read {path}: {error.strerror}; give the path of a URDF file") from error
+    if digests_in(urdf):
+        raise ModelError(f"{path} was written by farhand arm import; give the maker's file, which it names")
+    return urdf

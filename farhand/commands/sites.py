@@ -21,7 +21,10 @@ from farhand.commands.options import (
 def remote(
     config: ConfigFile = None,
     settings: Settings = None,
-    driver: Annotated[str | None, typer.Option(help="The robot's driver: the same as --set driver.name=NAME.")] = None,
+    driver: Annotated[
+        str | None,
+        typer.Option(help="The robot's driver: as --set driver.name=NAME, and franka without --config brings its arm."),
+    ] = None,
     emulate: Emulate = False,
     cell: Annotated[str, typer.Option(help="Name of this cell: the same as --set cell=NAME.")] = "",
     log_format: LogLines = LogFormat.TEXT,

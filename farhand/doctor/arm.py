@@ -21,7 +21,12 @@ def probe_robot(config: RemoteConfig) -> list[tuple[str, str, str]]:
 def check_robot(model: str, driver: str, mistakes: Sequence[tuple[str, str, str]]) -> list[Finding]:
     """All that the remote site loads of its robot can be loaded; each mistake (part, sentence, cure) is a finding."""
     if not mistakes:
-        return [ok("robot", f"the model {model} loads, its start posture is valid; driver {driver}")]
+        return [
+            ok(
+                "robot",
+                f"the model {model} loads, its start posture is valid; driver {driver}, whose robot was not asked",
+            )
+        ]
     return [error(part, sentence, cure) for part, sentence, cure in mistakes]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from common.clock import NS_PER_MS
 from common.geometry import Array
-from farhand.limits.sources import FILE, assumed_in_configuration, file_source
+from farhand.limits.sources import FILE, assumed_in_configuration, file_source, of_another_arm
 from farhand.limits.tables import figure, table
 from farhand.limits.tool_rows import tool_rows
 from remote_site.config import RemoteConfig
@@ -84,7 +84,7 @@ def _position_source(config: RemoteConfig, own: str) -> str:
 
 def _acceleration_source(config: RemoteConfig, model: ArmModel) -> str:
     wanted = np.array(config.robot.acceleration_rad_s2) * np.ones(len(model.joint_names))
-    assumed = assumed_in_configuration(model, "acceleration", wanted)
+    assumed = assumed_in_configuration(model, "acceleration", wanted) or of_another_arm(config.robot)
     return f"robot.acceleration_rad_s2{assumed}{_times_factor(config)}; {_bound(model.acceleration, FILE)}"
 
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from common.geometry import Array
+from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.model import ASSUMED, GIVEN, ArmModel
 
 FILE = "the arm's file"
@@ -31,6 +32,13 @@ def assumed_in_configuration(model: ArmModel, key: str, values: Array) -> str:
     if not names:
         return ""
     return f", {BY_IMPORT[ASSUMED]}" + ("" if len(names) == len(model.joint_names) else f" for {', '.join(names)}")
+
+
+def of_another_arm(robot: RobotConfig) -> str:
+    """What follows the key of an acceleration that no configuration gives, where the arm is not the A465."""
+    default = RobotConfig()
+    is_foreign = robot.model != default.model and robot.acceleration_rad_s2 == default.acceleration_rad_s2
+    return ", by default the A465's: give your own" if is_foreign else ""
 
 
 def _unchanged(model: ArmModel, marked: Mapping[str, float], values: Array) -> list[str]:

@@ -43,7 +43,7 @@ def _capsule_rows(robot: RobotConfig) -> list[Row]:
 def _whose(robot: RobotConfig) -> str:
     """Of the gripper that counts where none is given, which is the A465's own alone."""
     default = robot.model == RobotConfig().model
-    return ", by default the A465's gripper" if default else ", the A465's gripper: assumed, give your own"
+    return ", by default the A465's gripper" if default else ", the shape of the A465's gripper: give your own"
 
 
 def _reach_m(capsule: CapsuleConfig) -> float:

@@ -121,11 +121,13 @@ class DriverSetup:
         return self.own_range or JointRange(limits.lower, limits.upper, limits.velocity)
 
 
-def check_joints(setup: DriverSetup, joints: int, arm: str = "this arm") -> None:
+def check_joints(
+    setup: DriverSetup, joints: int, arm: str = "this arm", cure: str = "give robot.model the URDF of this arm"
+) -> None:
     """DriverError where the model has another number of joints than the arm."""
     if len(setup.joint_names) != joints:
         given = len(setup.joint_names)
-        raise DriverError(f"{arm} has {joints} joints, the model {given}: give robot.model the URDF of this arm")
+        raise DriverError(f"{arm} has {joints} joints, the model {given}: {cure}")
 
 
 class Driver(Protocol):

@@ -63,7 +63,10 @@ def check_driver(name: str) -> EntryPoint:
     if not installed:
         raise ConfigError("no driver is registered: reinstall Farhand ('pip install -e .' in its folder)")
     if name not in installed:
-        raise ConfigError(f"there is no driver {name!r}; choose one of: {', '.join(sorted(installed))}")
+        raise ConfigError(
+            f"there is no driver {name!r}; choose one of: {', '.join(sorted(installed))}; or install your own first, "
+            "into Farhand's environment: pip install --editable FOLDER"
+        )
     return installed[name]
 
 

@@ -63,7 +63,9 @@ FR3 = RobotLimits(
 
 def check_fr3(setup: DriverSetup) -> None:
     """DriverError where the model has other joints than an FR3, or may do more than one; a line for each limit."""
-    check_joints(setup, JOINTS, "an FR3")
+    check_joints(
+        setup, JOINTS, "an FR3", "start with --driver franka, or set robot.model = 'fr3' and what belongs to it"
+    )
     if mistakes := too_much(setup.joint_names, setup.limits, FR3):
         raise DriverError("\n".join(mistakes))
 

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from common.errors import ConfigError
+from common.errors import ConfigError, ModelError
 from farhand.arm_import.description.elements import Shape, Sphere, UrdfLink, UrdfMesh, UrdfRobot
-from farhand.arm_import.files import Places
+from farhand.arm_import.files import Places, read_urdf
 from farhand.arm_import.writing.manifest import with_manifest
 from farhand.arm_import.writing.meshes import gather_meshes
 
@@ -36,6 +36,11 @@ def test_what_an_earlier_import_wrote_is_replaced_and_what_it_left_goes(places):
     places.write(contents([]))
     assert not places.meshes.exists()
     places.check(SOURCE)
+
+
+def test_what_an_import_wrote_is_no_makers_file(places):
+    with pytest.raises(ModelError, match=r"my--arm\.urdf was written by farhand arm import; give the maker's file"):
+        read_urdf(places.urdf)
 
 
 @pytest.mark.parametrize("name", ["my--arm.toml", "my--arm.urdf", "my--arm_meshes/a.stl", "my--arm_meshes/notes.txt"])

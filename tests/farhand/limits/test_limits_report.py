@@ -93,12 +93,21 @@ def test_what_an_import_assumed_is_said_until_it_is_corrected(tmp_path):
     assert printed(*seven)["jerk, rad/s³"][-1].startswith("given to farhand arm import for lift, elbow")
 
 
-def test_the_a465s_gripper_is_said_to_be_assumed_on_another_arm(tmp_path):
+def test_what_is_the_a465s_is_said_so_on_another_arm(tmp_path):
     urdf = tmp_path / "arm.urdf"
     urdf.write_text((ARMS / "offset_wrist.urdf").read_text())
     rows = printed(f"robot.model={urdf}", "robot.acceleration_rad_s2=[10.0]")
-    assert rows["capsules on tool0"][-1] == "robot.capsules, the A465's gripper: assumed, give your own"
+    assert rows["capsules on tool0"][-1] == "robot.capsules, the shape of the A465's gripper: give your own"
+    assert rows["acceleration, rad/s²"][-1].startswith("robot.acceleration_rad_s2; ")
     assert printed()["capsules on tool0"][-1] == "robot.capsules, by default the A465's gripper"
+
+
+def test_an_acceleration_that_is_the_a465s_by_default_is_said_so_on_another_arm():
+    rows = printed(f"robot.model={ARMS / 'offset_wrist.urdf'}")
+    assert rows["acceleration, rad/s²"][-1].startswith(
+        "robot.acceleration_rad_s2, by default the A465's: give your own"
+    )
+    assert "default" not in printed()["acceleration, rad/s²"][-1]
 
 
 def test_the_factor_is_named_at_each_limit_that_it_tightens_and_no_stop_takes_longer():
