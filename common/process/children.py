@@ -149,9 +149,18 @@ class Children:
         for child in reversed(self.children):
             child.process.join(max(0.0, deadline - time.monotonic()))
             if child.process.is_alive():
-                structlog.get_logger().error("had to be killed", process=child.name)
+                _say_killed(child)
                 child.process.kill()
                 child.process.join(KILL_TIMEOUT_S)
+
+
+def _say_killed(child: Child) -> None:
+    """One that was still starting may be within a call of a library; a later one should have ended."""
+    log = structlog.get_logger()
+    if child.heartbeat.last_ns == 0:
+        log.info("ended while it was starting", process=child.name)
+    else:
+        log.error("had to be killed", process=child.name)
 
 
 def leave_stops_to_parent() -> None:

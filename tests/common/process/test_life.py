@@ -1,5 +1,6 @@
 """A daemon's life: READY messages, children that die, hang or end."""
 
+import multiprocessing
 import os
 import signal
 import socket
@@ -209,9 +210,28 @@ def test_a_child_that_will_not_end_is_killed() -> None:
     children = Children("test")
     child = children.start("worker", stubborn)
     children.wait_ready(10.0, StopFlag())
-    children.end()
+    with capture_logs() as logs:
+        children.end()
     child.process.join(10.0)
     assert child.process.exitcode == -signal.SIGKILL
+    assert [(entry["event"], entry["log_level"]) for entry in logs] == [("had to be killed", "error")]
+
+
+def test_a_child_that_is_killed_while_it_starts_is_no_error() -> None:
+    begun = multiprocessing.get_context("fork").Event()
+
+    def never_ready(should_stop: StopFlag, heartbeat: Heartbeat) -> None:  # noqa: ARG001
+        begun.set()
+        time.sleep(60.0)
+
+    children = Children("test")
+    child = children.start("worker", never_ready)
+    assert begun.wait(10.0)
+    with capture_logs() as logs:
+        children.end()
+    child.process.join(10.0)
+    assert child.process.exitcode == -signal.SIGKILL
+    assert [(entry["event"], entry["log_level"]) for entry in logs] == [("ended while it was starting", "info")]
 
 
 def test_a_hanging_child_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
