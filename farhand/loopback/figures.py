@@ -21,7 +21,6 @@ LAGS_MS = np.arange(0.0, 2001.0, 2.0)  # the mean of nine frames at 5 a second i
 STAGES = ("command", "motion", "encoder", "picture", "viewer")
 TRUTH_STEP_NS = 2 * NS_PER_MS
 LATELY_NS = 5 * NS_PER_S
-FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 
 Truth = Callable[[int], Mapping[str, Array]]
 Figures = dict[str, Any]

@@ -16,10 +16,10 @@ from common.errors import ConfigError, InterruptionError, ProcessError
 from common.geometry import Array
 from common.link.channels import ChannelSession
 from common.link.transport import open_link
-from common.messages.robot import Engagement
+from common.messages.robot import FOLLOWING, Engagement
 from common.process.service import StopFlag
 from farhand.loopback.display import LiveSummary, print_table, save_camera_views, save_overview
-from farhand.loopback.figures import FOLLOWING, Expectation, Figures, all_figures, session_events, troubles
+from farhand.loopback.figures import Expectation, Figures, all_figures, session_events, troubles
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.recorded import read_run, recording_figures
 from farhand.loopback.recorder import Record, Recorder

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from common.messages.robot import RobotState
-from farhand.loopback.figures import FOLLOWING, followed_share, per_second
+from common.messages.robot import FOLLOWING, RobotState
+from farhand.loopback.figures import followed_share, per_second
 from farhand.loopback.recorder import Record
 from remote_site.drivers.franka.simulator import SLOWER
 from remote_site.reasons import Code

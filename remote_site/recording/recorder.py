@@ -4,7 +4,7 @@ from functools import partial
 
 from common.clock import NS_PER_MS
 from common.messages.recording import RecordingState
-from common.messages.robot import SessionState
+from common.messages.robot import FOLLOWING
 from common.recording.asked_recording import AskedRecording
 from common.recording.guarded import GuardedRecording
 from common.recording.session import RecordingSession
@@ -15,7 +15,6 @@ from remote_site.recording.records import FullPicture, Kept, PassedMessage, Reco
 from remote_site.recording.transcript import Transcript
 
 STATUS_NS = 200 * NS_PER_MS
-FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 
 
 class CellRecorder:

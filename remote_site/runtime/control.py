@@ -202,10 +202,11 @@ class ControlLoop:
 
     def end(self) -> None:
         """Publish that the site has been asked to end, or why it has to: nobody hears anything of it after that."""
-        if self._snapshot is None or not (self._site.ending or self._site.failure):
+        failure = self._site.failure
+        if self._snapshot is None or not (self._site.ending or failure):
             return
-        if self._site.failure:
-            state, why = SessionState.FAULT, reason(Code.SITE_FAILED, cause=self._site.failure)
+        if failure:
+            state, why = SessionState.FAULT, reason(Code.SITE_FAILED, cause=failure)
         else:
             state = SessionState.DISENGAGED if self._snapshot.state in FOLLOWING else self._snapshot.state
             why = reason(Code.SITE_ENDED)
