@@ -4,6 +4,7 @@
 
 cells      how many cells one router carries: age and fraction of hands and pictures, processor time and memory
 control    what a control tick costs, from decoding to writing, beside Pink's inverse kinematics on the same targets
+endurance  an hour of both sites with recorder, viewers and a page: memory, descriptors and threads of each process
 fuzz       a million hostile payloads for the codec: the reasons of the refusals, payloads per second, growth of memory
 monocular  the monocular tracker: error against the number of points per link, and time per frame
 mutants    small changes to the code that decides about motion: how many a test notices
@@ -31,6 +32,7 @@ from rich.table import Table
 
 from bench import cells, fuzz, rendering
 from bench.control import tick as control
+from bench.endurance import run as endurance
 from bench.mutants import run as mutants
 from bench.page import run as page
 from bench.recording import run as recording
@@ -43,6 +45,7 @@ from bench.wan import run as wan
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "cells": cells.measure,
     "control": control.measure,
+    "endurance": endurance.measure,
     "fuzz": fuzz.measure,
     "monocular": monocular.measure,
     "mutants": mutants.measure,

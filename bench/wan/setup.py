@@ -23,6 +23,7 @@ class WanSetup:
     folder: Path
     control: str
     video: str
+    viewers: str
     listen: str
     page_port: int
 
@@ -30,8 +31,9 @@ class WanSetup:
     def make(cls, folder: Path) -> "WanSetup":
         """Choose free ports, and make the certificates."""
         create(folder, CertificateOrder(CELL, (HOST,), 1, (OPERATOR,)), datetime.now(UTC))
-        control, video, listen, page = free_ports(4)
-        return cls(folder, f"quic/{HOST}:{control}", f"tls/{HOST}:{video}", f"tcp/127.0.0.1:{listen}", page)
+        control, video, viewers, listen, page = free_ports(5)
+        served = f"quic/{HOST}:{control}", f"tls/{HOST}:{video}", f"tls/{HOST}:{viewers}"
+        return cls(folder, *served, f"tcp/127.0.0.1:{listen}", page)
 
     @property
     def security(self) -> LinkSecurity:
@@ -39,11 +41,21 @@ class WanSetup:
         return LinkSecurity(tls=self._tls(f"operator.{OPERATOR}"))
 
     @property
+    def security_of_viewer(self) -> LinkSecurity:
+        """How a viewer's link connects."""
+        return LinkSecurity(tls=self._tls("viewer"))
+
+    @property
     def remote(self) -> tuple[str, ...]:
         """The settings of the remote site."""
         cameras = ",".join(f'{{name="{name}",source="played"}}' for name in PLAYED)
         links = f"links.control={self.control}", f"links.video={self.video}", f'links.operators=["{OPERATOR}"]'
         return *self._cell("remote"), *links, "driver.name=kinematic", f"video.cameras=[{cameras}]"
+
+    @property
+    def watched(self) -> tuple[str, ...]:
+        """The settings of a remote site that lets viewers in, beyond `remote`."""
+        return f"links.viewers.listen={self.viewers}", *self._certificate("viewers-remote", "links.viewers.tls")
 
     @property
     def local(self) -> tuple[str, ...]:
@@ -58,9 +70,12 @@ class WanSetup:
         return *self._cell(f"operator.{OPERATOR}"), *links, f"operator={OPERATOR}", f"serve.port={self.page_port}"
 
     def _cell(self, who: str) -> tuple[str, ...]:
+        return f"cell={CELL}", *self._certificate(who, "links.tls")
+
+    def _certificate(self, who: str, table: str) -> tuple[str, ...]:
         shown = msgspec.structs.asdict(self._tls(who))
-        return f"cell={CELL}", *(f"links.tls.{key}={value}" for key, value in shown.items())
+        return tuple(f"{table}.{key}={value}" for key, value in shown.items())
 
     def _tls(self, who: str) -> TlsConfig:
-        pair = self.folder / CELL / who
-        return TlsConfig(ca=str(self.folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+        pair, authority = self.folder / CELL / who, "viewers-ca" if who.startswith("viewer") else "ca"
+        return TlsConfig(ca=str(self.folder / f"{authority}.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")

@@ -44,12 +44,13 @@ class WanStage:
     They are taken on its own host, so that the link's trouble does not touch them. All processes share one clock.
     """
 
-    def __init__(self, source: Path) -> None:
-        """`source` is the folder of the pictures that the cameras play."""
+    def __init__(self, source: Path, *, watched: bool = False) -> None:
+        """`source` is the folder of the pictures that the cameras play; viewers are let in where it is `watched`."""
         self._source, self._stack = source, ExitStack()
         self.folder = Path(tempfile.mkdtemp(prefix="farhand-wan-", dir=MEMORY))
         self._stack.callback(shutil.rmtree, self.folder, ignore_errors=True)
         self.setup = WanSetup.make(self.folder)
+        self._remote = self.setup.remote + (self.setup.watched if watched else ())
         self.network = LinkedHosts()
         self.path = ScriptedPath.still()
         self.states: list[RobotState] = []
@@ -71,7 +72,7 @@ class WanStage:
         self._stack.callback(self.network.close)
         self.network.enter()
         stand_in, beyond = "bench.stand_ins.", self.network.beyond
-        self._start("remote", module_command(stand_in + "played_remote", self._source), self.setup.remote)
+        self._start("remote", module_command(stand_in + "played_remote", self._source), self._remote)
         link = self._stack.enter_context(open_link(connect=(self.setup.control,), security=self.setup.security))
         self._client = RequestClient(link, CELL, operator=OPERATOR)
         self.states = Recorder(link, link, CELL, (), OPERATOR).record.states
@@ -103,6 +104,15 @@ class WanStage:
         )
         self._start("page", [*self.network.beyond, *words])
         return pictures, seen
+
+    def record(self, folder: Path) -> None:
+        """Have the remote site's recorder keep all that it does in a folder."""
+        self._start("record", module_command("farhand", "record", "--out", folder), self._remote)
+
+    @property
+    def pids(self) -> dict[str, int]:
+        """The main process of each program that has been started, by name."""
+        return {name: process.pid for name, process in self._processes.items()}
 
     def close_page(self) -> None:
         """Close it."""
@@ -160,7 +170,8 @@ class WanStage:
         process = self._processes[name] = SiteProcess(name, [*command, *arguments], environment)
         self._stack.callback(process.end)
 
-    def _check(self) -> None:
+    def check(self) -> None:
+        """ProcessError with its last words where a program has ended."""
         for name, process in self._processes.items():
             if process.exit_code is not None:
                 raise ProcessError(f"{name} has ended: {process.last_error()}")
@@ -168,7 +179,7 @@ class WanStage:
     def _wait(self, what: str, is_so: Callable[[], object]) -> None:
         deadline = time.monotonic() + START_S
         while not is_so():
-            self._check()
+            self.check()
             if time.monotonic() > deadline:
                 raise ProcessError(f"waited {START_S:g} s in vain for {what}")
             time.sleep(POLL_S)
