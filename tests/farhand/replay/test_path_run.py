@@ -6,6 +6,7 @@ from msgspec.structs import replace
 
 from common.messages.hand import Locks
 from common.messages.robot import GripperCommand, GripperStatus, SessionState
+from farhand.experiments.stepped.site import SESSION
 from local_site.programmed.path_progress import PathProgress
 from local_site.programmed.path_run import ENDED, WAITS
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
@@ -191,3 +192,18 @@ def test_a_silent_remote_site_stands_the_run():
     hand = cell.run.hand(cell.site.now_ns, None)
     assert "silent" in hand.reason
     assert cell.progress.target == pytest.approx(before)
+
+
+@pytest.mark.parametrize("session", [SESSION + 1, None])
+def test_an_engagement_of_another_session_leads_nothing_and_ours_after_it_begins_with_an_approach(session):
+    cell = engaged(cell_on(some_path()))
+    cell.until("runs")
+    cell.pass_s(0.5)
+    ours, now_ns, stood = cell.state(), cell.site.now_ns, cell.progress.target
+    lease = replace(ours.lease, session=session) if session is not None else None
+    first = cell.run.hand(now_ns, replace(ours, lease=lease))
+    later = cell.run.hand(now_ns + 500_000_000, replace(ours, lease=lease))
+    assert (first.reason, later.reason) == (WAITS, WAITS)
+    assert later.wrist == pytest.approx(first.wrist)
+    assert cell.progress.target == pytest.approx(stood)
+    assert "approaches" in cell.run.hand(now_ns + 516_000_000, ours).reason

@@ -171,6 +171,19 @@ def test_a_hold_ends_it_and_the_arm_goes_on_from_new_origins():
     assert AssistPhase.LEADING not in loop.phases[-300:]
 
 
+def test_a_short_hold_while_it_leads_takes_nothing_back_of_where_it_led_the_tool():
+    loop = leading()
+    for _ in range(48):
+        loop.tick()
+    assert loop.snapshot.state is SessionState.HOLDING
+    assert loop.snapshot.reference is None, "the hand led the tool no more: there is nothing to go back to"
+    rested = loop.tool
+    assert math.dist(rested[:3, 3], loop.model.forward(loop.config.robot.start)[:3, 3]) > 0.005
+    loop.go(1.5)
+    assert loop.snapshot.state is SessionState.ENGAGED
+    assert 1e3 * math.dist(loop.tool[:3, 3], rested[:3, 3]) < 0.5
+
+
 @pytest.mark.parametrize(
     ("why", "within_s"),
     [

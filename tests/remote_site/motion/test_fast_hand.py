@@ -54,6 +54,28 @@ def test_a_joint_that_is_behind_an_accelerating_target_does_not_overshoot_it(beh
     assert abs(off[-1]) < 1e-3
 
 
+def stopping_at(t: float, stops_s: float) -> JointMotion:
+    """Joint 1 at 1 rad/s, and from `stops_s` on braking at 6 rad/s²."""
+    braking_s = min(max(t - stops_s, 0.0), 1.0 / 6.0)
+    braking = 6.0 if 0.0 < t - stops_s < 1.0 / 6.0 else 0.0
+    way = min(t, stops_s) + braking_s - 3.0 * braking_s**2
+    speed = 1.0 - 6.0 * braking_s
+    return JointMotion(way * AXIS, speed * AXIS, -braking * AXIS)
+
+
+@pytest.mark.parametrize("behind", [0.1, 0.3, 1.0])
+def test_a_joint_that_catches_up_with_a_target_is_never_carried_beyond_where_the_target_stops(behind: float) -> None:
+    """Caught up with as quickly as limits allow, a target that stopped at the wrong time was overrun by 0.18 rad."""
+    for stops_s in np.arange(0.1, 1.0, 0.05):
+        tracker = JerkLimitedTracker(LIMITS, DT)
+        tracker.reset(JointMotion.at_rest(-behind * AXIS))
+        motions = [tracker.track(stopping_at(k * DT, stops_s)) for k in range(500)]
+        ways = [motion.q[0] for motion in motions if isinstance(motion, JointMotion)]
+        rest = stopping_at(10.0, stops_s).q[0]
+        assert max(ways) < rest + 1e-3
+        assert ways[-1] == pytest.approx(rest, abs=1e-6)
+
+
 def predicted(hand: Callable[[float], float], age_ms: float, seconds: float) -> tuple[np.ndarray, np.ndarray]:
     """Times in s and the target in m of a hand that is seen every 33 ms."""
     predictor, pending = TargetPredictor(1, ControlConfig()), [k * PERIOD_MS for k in range(1, 400)]

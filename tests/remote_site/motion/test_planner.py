@@ -142,6 +142,24 @@ def test_an_obstacle_hinders_before_a_singular_posture():
     assert Code.OBSTACLE in codes
 
 
+@pytest.mark.parametrize("beside_m", [0.15, 0.25])
+def test_an_obstacle_is_approached_by_four_times_the_clearance_a_second_and_no_faster(beside_m):
+    post = FixtureConfig(name="post", min_m=(0.4, beside_m, 0.0), max_m=(0.5, beside_m + 0.1, 1.2))
+    collision = CollisionConfig(fixtures=(post,), slow_m=0.2)
+    config = RemoteConfig(safety=SafetyConfig(collision=collision))
+    planning, bodies, distances = Planning(config), collision_model(config), []
+    planning.tracker.q_target = turned(1.5)
+    for _ in range(250):
+        planning.follow()
+        distances.append(
+            min(pair.distance for pair in bodies.pairs_within(planning.sent.q, 1.0) if "post" in pair.names)
+        )
+    approach = -np.diff(distances) / DT
+    clearance = np.array(distances[:-1]) - collision.margin_m - 0.004
+    near = clearance < collision.slow_m
+    assert 3.5 < (approach[near] / clearance[near]).max() < 4.5
+
+
 def test_dexterity_and_the_allowed_speed_slow_the_arm_together(planning):
     planning.dexterity.answer = SINGULAR
     planning.aim()

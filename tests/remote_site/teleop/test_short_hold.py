@@ -147,6 +147,22 @@ def turned(degrees: float) -> dict[str, Point]:
     return {"index": point(0.02, -0.17, 0.0), "thumb": point(-0.05, -0.1, 0.01)}
 
 
+@pytest.mark.parametrize(("metres", "degrees"), [(0.045, 0.0), (0.0, 16.0), (0.045, 8.0), (0.02, 16.0)])
+def test_what_is_too_far_is_not_made_up_although_the_hand_went_there_partly_before_the_hold(
+    metres: float, degrees: float
+) -> None:
+    """Half of it fell into the hold, by 30 mm and 10 deg little enough; the whole of it would have to be made up."""
+    loop = engaged()
+    held(loop)
+    tips = {name: (x + metres, y, z) for name, (x, y, z) in turned(degrees).items()}
+    loop.run(700, lambda _: shifted(metres), **tips)
+    assert loop.states[-1] is SessionState.ENGAGED
+    assert np.linalg.norm(moved(loop)) < 0.001
+    assert loop.snapshot.engagement is not None
+    assert loop.snapshot.engagement.shift_mm == pytest.approx(1e3 * metres, abs=1)
+    assert loop.snapshot.engagement.shift_deg == pytest.approx(degrees, abs=1)
+
+
 def test_over_several_short_cuts_of_a_moving_hand_the_reference_stays() -> None:
     def motion(t_ns: int) -> Point:
         return (0.03 * math.sin(2 * math.pi * 0.25 * t_ns / NS_PER_S), 0.0, 0.3)
