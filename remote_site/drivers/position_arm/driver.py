@@ -120,6 +120,7 @@ class PositionArmDriver:
     def _begin_stop(self, setup: DriverSetup, why: RobotFault) -> None:
         sent, was_active = self._sent, self._fault is None
         self._fault = self._fault or why
+        self._calls.withdraw_grip()
         if self._arm.writes_stop and was_active and sent is not None:
             period_ns = round(NS_PER_S / self._arm.rate_hz)
             onset_ns = max(self._written_ns, self._clock.now_ns() - period_ns)

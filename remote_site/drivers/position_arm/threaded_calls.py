@@ -62,11 +62,17 @@ class ThreadedCalls:
             if error is not None:
                 raise error
             self._command = command
+            self._calls.note_grip(command)
             self._changed.notify_all()
+
+    def withdraw_grip(self) -> None:
+        """Forget what the gripper was ordered, also where the thread waits for the arm before it comes to that."""
+        self._calls.withdraw_grip()
 
     def stop(self) -> None:
         """Have the arm stopped; DriverError where a call has been under way for so long that it may never return."""
         self._start()
+        self.withdraw_grip()
         with self._changed:
             self._command, self._error, self._stops = None, None, True
             self._changed.notify_all()
@@ -81,6 +87,7 @@ class ThreadedCalls:
         if self._thread is None:
             self._calls.end(stops=stops)
             return
+        self.withdraw_grip()
         with self._changed:
             self._command, self._stops, self._ends = None, self._stops or stops, True
             self._changed.notify_all()
@@ -145,7 +152,7 @@ class ThreadedCalls:
 
     def _write(self, command: JointCommand) -> None:
         try:
-            self._calls.write(command)
+            self._calls.send(command)
         except BaseException as error:
             self._unwritten = error
             raise

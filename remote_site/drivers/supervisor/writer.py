@@ -47,7 +47,7 @@ class PacedWriter:
 
     The plan advances by a tick with each command. A slow robot gets the newest motion once a period, or one between two
     where the newest would come too early, again if it is the same; a fast one gets each motion once, as soon as the
-    scheduler allows. To be read: `command` (the newest of control's), `written` (the motion that was written last, and
+    scheduler allows. In a stop the gripper keeps what it does. To be read: `command` (the newest of control's), `written` (the motion that was written last, and
     when).
     """
 
@@ -114,7 +114,8 @@ class PacedWriter:
             return None
         last = self.written = replace(self.written, t_ns=now_ns)
         number = self.obeyed.number(last.seq)
-        return self._driver.write(JointCommand(number, now_ns, last.q, last.dq, last.ddq, self.command.gripper))
+        gripper = self.command.gripper if stop is None else GripperCommand.KEEP  # a stop withdraws what was ordered
+        return self._driver.write(JointCommand(number, now_ns, last.q, last.dq, last.ddq, gripper))
 
     def settled(self, now_ns: int) -> bool:
         """Whether a stop that has ended was written to its end, and the robot has had the time to follow."""

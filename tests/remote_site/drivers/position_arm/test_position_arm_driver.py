@@ -291,6 +291,17 @@ def test_the_stop_that_is_written_leaves_the_gripper_alone():
     assert grips(driven) == ["open"]
 
 
+@pytest.mark.parametrize(("write_ms", "expected"), [(900.0, ["open"]), (1100.0, [])])
+def test_an_order_that_a_write_keeps_for_longer_than_a_second_is_never_done(write_ms, expected):
+    driven = DrivenArm(GripperArm).active()
+    at_once = driven.arm.write
+    driven.arm.write = lambda positions: (driven.clock.advance_ms(write_ms), at_once(positions))
+    driven.command(0.0, gripper=OPEN)
+    driven.arm.write = at_once
+    driven.command(0.0, gripper=OPEN)
+    assert grips(driven) == expected
+
+
 def test_the_opening_is_read_and_none_where_it_cannot_be():
     driven = DrivenArm(GripperArm)
     assert driven.turns(200).gripper.opening_m == pytest.approx(0.04)
