@@ -92,8 +92,7 @@ class HandMemory:
 
     def withdraw(self) -> None:
         """Order nothing in the place of the last order, which counts as done; only the driver does."""
-        if self._count:
-            self._write(GripperOrder(GripperCommand.KEEP, 0))
+        self._write(GripperOrder(GripperCommand.KEEP, 0))
 
     def ordered(self) -> tuple[int, GripperOrder]:
         """The newest order and its number; number 0 before the first, KEEP where it was withdrawn."""

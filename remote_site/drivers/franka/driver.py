@@ -126,13 +126,14 @@ class FrankaDriver:
         self._side.arm.orders.write(DriverOrder(self._activation, run, 0, command))
 
     def _grip(self, command: JointCommand) -> None:
+        if command.gripper is GripperCommand.KEEP:
+            self._withdraw_grip()
         order = self._gripper.note(command.gripper, command.t_ns)
         if order is not None and self._side.hand is not None:
             self._side.hand.order(order)
 
     def _withdraw_grip(self) -> None:
-        self._gripper.withdraw()
-        if self._side.hand is not None:
+        if self._gripper.withdraw() and self._side.hand is not None:
             self._side.hand.withdraw()
 
     def _at_rest(self) -> JointCommand:

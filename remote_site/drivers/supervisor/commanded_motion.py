@@ -1,11 +1,7 @@
 """What is commanded of the robot: control's last command, or the stop from it, and how control continues from that."""
 
-from dataclasses import replace
-
-from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode, RobotFault
-from remote_site.drivers.gripper_orders import GripperOrders
 from remote_site.drivers.supervisor.stop_plan import StopPlan
 from remote_site.drivers.supervisor.writer import PacedWriter
 from remote_site.kinematics.joints import JointMotion
@@ -15,15 +11,12 @@ from remote_site.safety.guard import JointGuard, Refused
 class CommandedMotion:
     """Checks each command against the motion before it, and replaces commands by a stop and the stop by commands.
 
-    What the gripper is commanded counts for nothing, until it changes, where it came later than an order may wait.
-
     To be read: `motion` (the last command's, or where the stop is), `stop` (the one under way), `stop_count` (how many
     were begun by late commands, or continued past a command), `command_ns` (when the last command was taken).
     """
 
     def __init__(self, writer: PacedWriter, setup: DriverSetup) -> None:
         self._guard, self._writer = JointGuard(setup.limits, setup.dt), writer
-        self._gripper, self._grips = GripperOrders(), True
         self.motion = JointMotion.at_rest(writer.command.q)
         self.stop: StopPlan | None = None
         self.stop_count = 0
@@ -32,7 +25,6 @@ class CommandedMotion:
     def restart(self, command: JointCommand, now_ns: int) -> None:
         """Begin at rest where the command is."""
         self.motion, self.command_ns = JointMotion.at_rest(command.q), None
-        self._gripper.withdraw()
         self._writer.restart(command, now_ns)
 
     def advance(self, now_ns: int) -> None:
@@ -54,17 +46,11 @@ class CommandedMotion:
             verdict = self._guard.check(command.motion, self.motion)
             if isinstance(verdict, Refused):
                 return RobotFault(FaultCode.LIMITS, f"{verdict.reason.sentence}; the arm stops")
-            self._writer.add(self._in_time(command, now_ns))
+            self._writer.add(command)
         elif self.stop.hands_over_to(command, self._writer.written_ns, self._guard):
-            self._writer.hand_over(self.stop, self._in_time(command, now_ns))
+            self._writer.hand_over(self.stop, command)
         else:
             self.stop_count += 1
             return None
         self.motion, self.command_ns, self.stop = command.motion, now_ns, None
         return None
-
-    def _in_time(self, command: JointCommand, now_ns: int) -> JointCommand:
-        order = self._gripper.note(command.gripper, command.t_ns)
-        if order is not None:
-            self._grips = now_ns <= order.until_ns
-        return command if self._grips else replace(command, gripper=GripperCommand.KEEP)

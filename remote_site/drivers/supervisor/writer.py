@@ -8,6 +8,7 @@ from common.clock import NS_PER_S
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand
 from remote_site.drivers.faults import RobotFault
+from remote_site.drivers.gripper_orders import GripperOrders
 from remote_site.drivers.supervisor.stop_plan import StopPlan
 from remote_site.drivers.supervisor.watched_driver import WatchedDriver
 from remote_site.drivers.supervisor.write_scheduler import WriteScheduler
@@ -42,24 +43,41 @@ class ObeyedCommands:
             self._unconfirmed = {own: seq for own, seq in self._unconfirmed.items() if own >= number}
 
 
+class Settling:
+    """Whether a robot that has been led to rest has had the time to follow, `lag_ns`."""
+
+    def __init__(self, lag_ns: int) -> None:
+        self._lag_ns = lag_ns
+        self._since_ns: int | None = None
+
+    def restart(self) -> None:
+        """It is not at rest."""
+        self._since_ns = None
+
+    def over(self, now_ns: int) -> bool:
+        """It was led to rest when this was first asked."""
+        self._since_ns = now_ns if self._since_ns is None else self._since_ns
+        return now_ns - self._since_ns >= self._lag_ns
+
+
 class PacedWriter:
     """Writes to the robot no faster than planned, and to a slow robot no more often than it takes commands.
 
     The plan advances by a tick with each command. A slow robot gets the newest motion once a period, or one between two
     where the newest would come too early, again if it is the same; a fast one gets each motion once, as soon as the
-    scheduler allows. In a stop the gripper keeps what it does. To be read: `command` (the newest of control's), `written` (the motion that was written last, and
+    scheduler allows. What the gripper is ordered is begun in no stop, and not where it is too old. To be read: `command` (the newest of control's), `written` (the motion that was written last, and
     when).
     """
 
     def __init__(self, driver: WatchedDriver, capabilities: Capabilities, setup: DriverSetup) -> None:
         rate = capabilities.rate_hz
         self.period_ns = 0 if rate * setup.dt > ONCE_A_TICK else round(NS_PER_S / rate)
-        self._settle_ns = self.period_ns * (capabilities.queued_periods + 2)
+        self._settling = Settling(self.period_ns * (capabilities.queued_periods + 2))
         self._tick_ns = round(setup.dt * NS_PER_S)
         self._driver, self._scheduler = driver, WriteScheduler[JointCommand]()
         self._due_ns = self.plan_ns = 0
         self._again = False
-        self._rested_ns: int | None = None
+        self._gripper = GripperOrders()
         self.obeyed = ObeyedCommands()
         nowhere = np.zeros(len(setup.joint_names))
         self.command = self.written = JointCommand(0, 0, nowhere, nowhere, nowhere, GripperCommand.KEEP)
@@ -78,7 +96,8 @@ class PacedWriter:
         """Begin the plan now, with the robot at rest where the command is."""
         self.command, self.written = command, _with(self.written, JointMotion.at_rest(command.q))
         self._due_ns = self.plan_ns = now_ns
-        self._rested_ns = None
+        self._settling.restart()
+        self._gripper.withdraw()
         self._scheduler.restart(now_ns, now_ns)
         self.obeyed.restart()
 
@@ -94,6 +113,11 @@ class PacedWriter:
         for between_ns in range(max(self.plan_ns, self.written_ns) + self._tick_ns, plan_ns, self._tick_ns):
             self._scheduler.add(between_ns, _with(self.command, stop.at_plan(between_ns)))
         self._schedule(command, plan_ns)
+
+    def withdraw_grip(self) -> None:
+        """Have the gripper keep what it does."""
+        self._gripper.withdraw()
+        self.command = replace(self.command, gripper=GripperCommand.KEEP)
 
     def repeat(self) -> None:
         """Write the last motion once more in the next step if there is no newer one."""
@@ -114,18 +138,19 @@ class PacedWriter:
             return None
         last = self.written = replace(self.written, t_ns=now_ns)
         number = self.obeyed.number(last.seq)
-        gripper = self.command.gripper if stop is None else GripperCommand.KEEP  # a stop withdraws what was ordered
-        return self._driver.write(JointCommand(number, now_ns, last.q, last.dq, last.ddq, gripper))
+        if stop is None:
+            self._gripper.take(now_ns)  # a stop begins nothing
+        return self._driver.write(JointCommand(number, now_ns, last.q, last.dq, last.ddq, self._gripper.standing))
 
     def settled(self, now_ns: int) -> bool:
         """Whether a stop that has ended was written to its end, and the robot has had the time to follow."""
         if not (self.period_ns or self.written.motion.resting):
             return False
-        self._rested_ns = now_ns if self._rested_ns is None else self._rested_ns
-        return now_ns - self._rested_ns >= self._settle_ns
+        return self._settling.over(now_ns)
 
     def _schedule(self, command: JointCommand, plan_ns: int) -> None:
         self.command, self.plan_ns = command, plan_ns
+        self._gripper.note(command.gripper, command.t_ns)
         self._scheduler.add(plan_ns, command)
 
     def _next(self, stop: StopPlan | None, now_ns: int) -> JointCommand | None:

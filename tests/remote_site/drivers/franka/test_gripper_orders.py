@@ -6,7 +6,6 @@ import pytest
 
 from common.clock import NS_PER_MS
 from common.messages.robot import GripperCommand
-from remote_site.drivers.franka.arm_memory import HandMemory
 from remote_site.drivers.gripper_orders import ORDER_NS
 from remote_site.kinematics.joints import JointMotion
 from tests.remote_site.drivers.franka.driven_arm import DrivenArm
@@ -112,13 +111,6 @@ def test_of_what_waits_the_newest_is_done() -> None:
     assert arm.hand.calls == [CLOSES]
 
 
-def test_a_pause_in_the_command_orders_nothing_anew() -> None:
-    arm = holding()
-    for gripper in (GripperCommand.OPEN, GripperCommand.KEEP, GripperCommand.OPEN):
-        order(arm, gripper)
-    assert arm.hand.calls == ["open 0.08"]
-
-
 def test_after_an_activation_the_same_command_is_a_new_order() -> None:
     arm = holding()
     order(arm, GripperCommand.CLOSED)
@@ -127,8 +119,12 @@ def test_after_an_activation_the_same_command_is_a_new_order() -> None:
     assert arm.hand.calls == [CLOSES, CLOSES]
 
 
-def test_a_withdrawal_leaves_the_opening_measured() -> None:
-    memory = HandMemory()
-    memory.withdraw()
-    memory.report(0, HELD_M)
-    assert memory.opening_m == HELD_M
+def test_what_is_withdrawn_leaves_the_opening_measured() -> None:
+    arm = holding()
+    arm.side.hand_waits = True
+    order(arm, GripperCommand.OPEN)
+    order(arm, GripperCommand.KEEP)
+    arm.side.hand_waits = False
+    arm.side.pass_ms(30)
+    assert arm.hand.calls == []
+    assert opening_m(arm) == HELD_M

@@ -57,6 +57,18 @@ def test_an_order_that_a_pause_of_the_drivers_process_has_made_old_is_not_writte
     assert given(supervised) == [CLOSED, OPEN]
 
 
+def test_an_order_of_a_slow_robot_that_a_pause_has_made_old_before_it_was_written_is_not_written() -> None:
+    supervised = Supervised(rate_hz=15.0).activate()
+    while not given(supervised):
+        supervised.command(supervised.motion)
+    supervised.command(supervised.motion, gripper=OPEN)
+    assert given(supervised) == []
+    supervised.clock.advance_ms(LATE_MS)
+    for _ in range(60):
+        supervised.command(supervised.motion, gripper=OPEN)
+    assert set(given(supervised)) == {KEEP}
+
+
 def test_an_order_that_waits_for_less_than_a_second_is_written_with_every_command() -> None:
     supervised = Supervised().activate()
     supervised.command(supervised.motion)
@@ -86,3 +98,30 @@ def test_an_order_is_too_old_after_a_second_and_withdrawn_at_once() -> None:
     assert orders.take(ORDER_NS) is KEEP
     assert orders.note(CLOSED, ORDER_NS) is not None
     assert orders.take(2 * ORDER_NS) is CLOSED
+
+
+def test_an_order_stands_from_when_it_is_begun_in_time_until_it_is_withdrawn() -> None:
+    orders = GripperOrders()
+    orders.note(OPEN, 0)
+    assert orders.standing is KEEP
+    orders.take(ORDER_NS)
+    assert orders.standing is OPEN
+    orders.note(CLOSED, 0)
+    assert orders.standing is KEEP
+    orders.take(ORDER_NS + 1)
+    assert orders.standing is KEEP
+    orders.note(OPEN, ORDER_NS)
+    orders.take(ORDER_NS)
+    orders.note(KEEP, ORDER_NS)
+    assert orders.standing is KEEP
+
+
+def test_what_has_begun_goes_on_while_late_commands_have_the_arm_braked() -> None:
+    supervised = Supervised().moving()
+    supervised.command(gripper=OPEN)
+    given(supervised)
+    supervised.stumble(34)
+    assert set(given(supervised)) == {OPEN}
+    supervised.turn(supervised.order(supervised.motion, run=False))
+    supervised.turns(20)
+    assert given(supervised)[1:] == [KEEP] * 20
