@@ -74,7 +74,8 @@ class Capabilities:
 
     `gripper` and `force`: it has one, and measures its force. `watchdog_ms`: without a call for this long the robot
     stops by itself, None when it does not. `queued_periods`: how many periods its motion lags behind commands;
-    `lag_ms`: by how much more it may, at most, ms.
+    `lag_ms`: by how much more it may, at most, ms. `holds`: without a command it stays where the last one sent it,
+    and is led on from there after a pause, in steps that are no longer than at full speed.
     """
 
     rate_hz: float
@@ -84,6 +85,7 @@ class Capabilities:
     watchdog_ms: float | None
     queued_periods: int = 0
     lag_ms: float = 0.0
+    holds: bool = False
 
     def __post_init__(self) -> None:
         """Raise DriverError for values that no robot has."""

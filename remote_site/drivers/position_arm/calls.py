@@ -13,6 +13,7 @@ from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.gripper_orders import GripperOrders
 from remote_site.drivers.position_arm.arm import MeasuredPositions, PositionArm, PositionArmWithGripper, Positions
+from remote_site.drivers.position_steps import PositionSteps
 
 T = TypeVar("T")
 
@@ -34,7 +35,8 @@ class Calls(Protocol):
     """What a driver has its arm do.
 
     `obeyed` is the number of the last command that was written since `begin`, None before. `begin` comes before the
-    first command of an activation. `withdraw_grip`: what the gripper was ordered and does not do yet, it will not do;
+    first command of an activation, where the arm is at `q` (n,) rad; from there no position is further than `most_rad`
+    (n,) from the one before it. `withdraw_grip`: what the gripper was ordered and does not do yet, it will not do;
     neither does it after a stop. `measure`, called in every turn, returns what has newly been measured, or None; it
     repeats a stop that has failed until one succeeds. `end` comes last: it stops the arm if told to, and lets go of it.
     """
@@ -42,7 +44,7 @@ class Calls(Protocol):
     @property
     def obeyed(self) -> int | None: ...
 
-    def begin(self, most_n: float) -> None: ...
+    def begin(self, q: Array, most_rad: Array, most_n: float) -> None: ...
 
     def measure(self) -> Measurement | None: ...
 
@@ -66,6 +68,7 @@ class ArmCalls:
         self._period_ns = round(NS_PER_S / arm.rate_hz)
         self._due_ns = 0
         self._owes_stop = False
+        self._steps: PositionSteps | None = None
         self._gripper, self._most_n = GripperOrders(), 0.0
         self.obeyed: int | None = None
         self.under_way: tuple[str, int] | None = None
@@ -75,7 +78,7 @@ class ArmCalls:
         """When the arm is to be read again."""
         return self._due_ns
 
-    def begin(self, most_n: float) -> None:
+    def begin(self, q: Array, most_rad: Array, most_n: float) -> None:
         """Nothing has been commanded; the gripper, too, keeps what it does. `most_n` is its largest force.
 
         DriverError while a stop has not succeeded.
@@ -83,7 +86,7 @@ class ArmCalls:
         if self._owes_stop:
             raise DriverError("the arm has not been stopped yet")
         self.withdraw_grip()
-        self.obeyed, self._most_n = None, most_n
+        self.obeyed, self._steps, self._most_n = None, PositionSteps(most_rad, q), most_n
 
     def measure(self) -> Measurement | None:
         """Read the arm once a period."""
@@ -109,8 +112,12 @@ class ArmCalls:
         self._gripper.withdraw()
 
     def send(self, command: JointCommand) -> None:
-        """Send the arm to a command's positions, and then have the gripper do what is ordered by now."""
-        positions = np.array(command.q)  # the arm may keep it, and write to it
+        """Send the arm to a command's positions, and then have the gripper do what is ordered by now.
+
+        After a pause, as of a thread whose last call was slow, they are too far for one step: it gets there in several.
+        """
+        q = command.q if self._steps is None else self._steps.towards(command.q)
+        positions = np.array(q)  # the arm may keep it, and write to it
         self._call("write", lambda: self._arm.write(positions))
         self.obeyed = command.seq
         self._grip(self._gripper.take(self._clock.now_ns()))

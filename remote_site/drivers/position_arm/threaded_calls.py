@@ -6,6 +6,7 @@ from functools import partial
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
+from common.geometry import Array
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.position_arm.calls import ArmCalls, Measurement
 
@@ -38,13 +39,13 @@ class ThreadedCalls:
         """The number of the last command that the thread has written."""
         return self._calls.obeyed
 
-    def begin(self, most_n: float) -> None:
+    def begin(self, q: Array, most_rad: Array, most_n: float) -> None:
         """Nothing has been commanded; DriverError while a stop has not reached the arm."""
         with self._changed:
             if self._stops:
                 raise DriverError(f"the arm has not been stopped yet; {self._waits_for()}")
             self._unwritten = None
-            self._calls.begin(most_n)
+            self._calls.begin(q, most_rad, most_n)
 
     def measure(self) -> Measurement | None:
         """What the thread has read since the last call; raises what it has met."""

@@ -213,6 +213,37 @@ def test_it_is_not_activated_while_its_stop_is_written():
     assert driven.reading().fault is None
 
 
+def test_it_is_not_activated_while_its_stop_is_written_although_it_is_too_slow_to_be_read_moving():
+    driven = DrivenArm().active().at_speed(0.015)
+    driven.driver.stop()
+    reading = driven.reading()
+    assert not reading.moving
+    with pytest.raises(DriverError, match="still moves"):
+        driven.driver.activate(reading.q)
+
+
+def test_a_stop_begins_where_the_arm_was_sent_however_long_ago():
+    driven = DrivenArm().active().at_speed()
+    at = driven.arm.goal[0]
+    driven.turns(50)
+    driven.driver.stop()
+    _, q = np.array(written_during(driven, 500)).reshape(2, -1)
+    steps = np.diff([at, *q])
+    assert steps[0] == pytest.approx(0.8 * 0.01, rel=0.1)
+    assert (np.diff(steps) <= 1e-9).all()
+    assert q[-1] - at == pytest.approx(stops(MOTION, SETUP.limits)[0].end - MOTION.q[0], rel=0.01)
+
+
+def test_an_arm_that_has_long_stood_where_it_was_sent_is_stopped_there():
+    driven = DrivenArm().active().at_speed()
+    at = driven.arm.goal[0]
+    driven.turns(90)
+    driven.driver.stop()
+    assert written_during(driven, 500).size == 0
+    assert driven.arm.goal[0] == pytest.approx(at, abs=0.02)
+    assert driven.arm.calls.count("stop") == 1
+
+
 def test_a_written_stop_that_pauses_does_not_jump_to_its_end():
     driven = DrivenArm().active().at_speed(2.0)
     at = driven.arm.goal[0]
@@ -259,6 +290,9 @@ def test_an_arm_that_was_never_configured_is_not_called():
         with pytest.raises(DriverError, match="configure"):
             call()
     assert driven.arm.calls == []
+
+
+MOTION = JointMotion(START, 0.8 * np.eye(6)[0], np.zeros(6))
 
 
 def grips(driven):

@@ -140,6 +140,21 @@ def test_no_call_waits_for_the_robot_and_the_newest_command_goes_first(arm, driv
     assert [call[1] for call in arm.calls if call[0] == "write"] == [0.003]
 
 
+def test_after_a_call_that_was_slow_the_arm_is_sent_no_further_at_once(arm, driver):
+    driver.activate(np.zeros(6))
+    arm.gates["read"].clear()
+    until(lambda: arm.at_once)
+    for seq in range(1, 30):
+        driver.write(command(seq, 0.005 * seq))
+    arm.gates["read"].set()
+    for seq in range(30, 60):
+        driver.write(command(seq, 0.145))
+        time.sleep(0.003)
+    until(lambda: ("write", 0.145) in arm.calls)
+    sent = [0.0, *(call[1] for call in arm.calls if call[0] == "write")]
+    assert np.diff(sent).max() <= SETUP.limits.velocity.min() / arm.rate_hz * 1.0001
+
+
 def test_a_reading_that_does_not_come_back_keeps_its_stamp(arm, driver):
     arm.gates["read"].clear()
     until(lambda: arm.at_once)
@@ -151,21 +166,21 @@ def test_a_reading_that_does_not_come_back_keeps_its_stamp(arm, driver):
 
 def test_a_stop_replaces_the_command_that_waits(arm, driver):
     driver.activate(np.zeros(6))
-    driver.write(command(1, 0.1))
+    driver.write(command(1, 0.01))
     driver.stop()
     until(lambda: ("stop",) in arm.calls)
     after = arm.calls[arm.calls.index(("stop",)) :]
     time.sleep(0.05)
-    assert ("write", 0.1) not in after
+    assert ("write", 0.01) not in after
     with pytest.raises(DriverError, match="activate the arm"):
-        driver.write(command(2, 0.2))
+        driver.write(command(2, 0.02))
 
 
 def test_a_stop_behind_a_call_that_does_not_return_says_so_and_comes_when_it_does(arm, driver):
     driver.activate(np.zeros(6))
     arm.gates["write"].clear()
-    driver.write(command(1, 0.1))
-    until(lambda: ("write", 0.1) in arm.calls)
+    driver.write(command(1, 0.01))
+    until(lambda: ("write", 0.01) in arm.calls)
     begun = time.monotonic()
     driver.stop()
     assert time.monotonic() - begun < PATIENCE_S
