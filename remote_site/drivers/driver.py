@@ -74,7 +74,8 @@ class Capabilities:
 
     `gripper` and `force`: it has one, and measures its force. `watchdog_ms`: without a call for this long the robot
     stops by itself, None when it does not. `queued_periods`: how many periods its motion lags behind commands;
-    `lag_ms`: by how much more it may, at most, ms.
+    `lag_ms`: by how much more it may, at most, ms. `holds`: without a command it stays where the last one sent it,
+    and is led on from there after a pause, in steps that are no longer than at full speed.
     """
 
     rate_hz: float
@@ -84,6 +85,7 @@ class Capabilities:
     watchdog_ms: float | None
     queued_periods: int = 0
     lag_ms: float = 0.0
+    holds: bool = False
 
     def __post_init__(self) -> None:
         """Raise DriverError for values that no robot has."""
@@ -136,7 +138,7 @@ class Driver(Protocol):
     `configure` comes once. `activate` makes the robot take commands from rest at `q0`, where it was read; the `fault`
     of `read` shows when it does. `read` raises while nothing has been measured. `write` sends a motion that the
     driver's process has checked, and returns what was really sent; only its OPEN and CLOSED move the gripper, and no
-    other call does. `stop` brings the robot to rest immediately and may be repeated; then only a new activation moves
+    other call does: within `gripper_orders.ORDER_NS` or never, and not after KEEP, a stop or an activation. `stop` brings the robot to rest immediately and may be repeated; then only a new activation moves
     it. A fault that one reading shows is kept by the driver's process until the next activation. `deactivate` ends it
     all.
     """

@@ -111,6 +111,11 @@ class Session:
         """The stop that has to be reset first."""
         return self._stopped
 
+    @property
+    def barred(self) -> bool:
+        """A fault or a stop has to be reset before anything moves."""
+        return self._barred() is not None
+
     def authorise(self, lease: Lease | None) -> None:
         """Take note of the lease in force; the end of the former one ends the engagement, and forgets its samples."""
         former, self._lease = self._lease, lease

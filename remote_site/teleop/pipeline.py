@@ -75,8 +75,9 @@ class TeleopPipeline:
         decision = self._session.tick(now_ns, given.robot_after(sent))
         motion = self._plan(decision, robot, sent, now_ns)
         activate = activate or any(outcome.activate for outcome in outcomes)
-        if activate:
+        if activate or self._session.barred:
             self._gripper.keep()
+        if activate:
             self._faults.activated()
         snapshot = self._snapshot(given, decision, outcomes, motion if robot.ready else sent)
         return Command(motion, self._gripper.command, sent.q if activate else None, snapshot)

@@ -2,10 +2,13 @@
 
 from dataclasses import replace
 
-from common.clock import FakeClock
+import numpy as np
+
+from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.geometry import Array
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import Capabilities, GripperReading, JointCommand, RobotReading
+from remote_site.drivers.gripper_orders import GripperOrders
 from remote_site.drivers.kinematic import KinematicDriver
 
 OPENING_M = {GripperCommand.OPEN: 0.06, GripperCommand.CLOSED: 0.0}
@@ -71,3 +74,56 @@ class Releasing(Gripping):
     def stop(self) -> None:
         super().stop()
         self.grip(GripperCommand.OPEN)
+
+
+class Unhurried(Gripping):
+    """Its gripper obeys 30 ms after its order, at 0.2 m/s: a good one, that forgets what it should."""
+
+    wait_ns = 30 * NS_PER_MS
+
+    def __init__(self, clock: FakeClock) -> None:
+        super().__init__(clock)
+        self.goal_m, self.moved_ns = self.opening_m[0], clock.now_ns()
+        self.orders, self.ordered_ns = GripperOrders(), 0
+
+    def activate(self, q0: Array) -> None:
+        super().activate(q0)
+        self.forget()
+
+    def stop(self) -> None:
+        super().stop()
+        self.forget()
+
+    def forget(self) -> None:
+        self.orders.withdraw()
+
+    def grip(self, command: GripperCommand) -> None:
+        now_ns = self._clock.now_ns()
+        if self.orders.note(command, now_ns) is not None:
+            self.ordered_ns = now_ns
+
+    def read(self) -> RobotReading:
+        now_ns = self._clock.now_ns()
+        most_m = 0.2 * (now_ns - self.moved_ns) / NS_PER_S
+        self.opening_m[0] += float(np.clip(self.goal_m - self.opening_m[0], -most_m, most_m))
+        self.moved_ns = now_ns
+        if self._obeyed is not None and self._stop_ns is None and now_ns - self.ordered_ns >= self.wait_ns:
+            self.obey(now_ns)
+        return super().read()
+
+    def obey(self, now_ns: int) -> None:
+        self.goal_m = OPENING_M.get(self.orders.take(now_ns), self.goal_m)
+
+
+class Postponing(Unhurried):
+    """Does after an activation what its gripper was ordered before."""
+
+    def forget(self) -> None:
+        pass
+
+
+class Patient(Unhurried):
+    """Does what its gripper was ordered however long ago."""
+
+    def obey(self, now_ns: int) -> None:
+        super().obey(min(now_ns, self.ordered_ns))

@@ -39,7 +39,17 @@ from tests.contracts.bad_drivers import (
     Unwatched,
     refuse_to_be_made,
 )
-from tests.contracts.bad_grippers import Clenched, Closer, Gripping, Opener, Releasing, Welcoming
+from tests.contracts.bad_grippers import (
+    Clenched,
+    Closer,
+    Gripping,
+    Opener,
+    Patient,
+    Postponing,
+    Releasing,
+    Unhurried,
+    Welcoming,
+)
 from tests.contracts.driver_stands import c500c_stand, kinematic_stand, simulated_stand
 
 NAMES = [check.__name__ for check in CHECKS]
@@ -109,6 +119,8 @@ def test_calls_are_timed_by_a_clock_of_their_own_where_the_robots_is_a_simulator
         (Closer, "keeps_gripper"),
         (Releasing, "keeps_gripper"),
         (Welcoming, "keeps_gripper"),
+        (Postponing, "withdraws_gripper"),
+        (Patient, "withdraws_gripper"),
         (Sleepwalker, "command_timeout"),
         (Unwatched, "watchdog"),
         (Slow, "deadline"),
@@ -145,15 +157,22 @@ def test_a_driver_that_lies_in_one_thing_fails_in_nothing_else(bad, checks):
     assert run_checks(kinematic_stand(bad), lines.append) == checks, lines
 
 
-def test_a_robot_with_a_gripper_passes():
+@pytest.mark.parametrize("good", [Gripping, Unhurried])
+def test_a_robot_with_a_gripper_passes(good):
     lines = []
-    assert run_checks(kinematic_stand(Gripping), lines.append) == [], lines
+    assert run_checks(kinematic_stand(good), lines.append) == [], lines
 
 
 @pytest.mark.parametrize("bad", [Opener, Closer, Releasing, Welcoming])
 def test_a_driver_that_does_not_keep_the_gripper_fails_in_nothing_else(bad):
     lines = []
     assert run_checks(kinematic_stand(bad), lines.append) == ["keeps_gripper"], lines
+
+
+@pytest.mark.parametrize("bad", [Postponing, Patient])
+def test_a_driver_whose_gripper_does_what_was_ordered_before_fails_in_nothing_else(bad):
+    lines = []
+    assert run_checks(kinematic_stand(bad), lines.append) == ["withdraws_gripper"], lines
 
 
 @pytest.mark.parametrize(
@@ -188,6 +207,7 @@ def test_a_watchdog_that_a_driver_has_not_is_skipped():
         "other",
         "gripper",
         "keeps",
+        "withdraws",
         "watchdog",
     ]
 

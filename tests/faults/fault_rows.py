@@ -18,7 +18,7 @@ from tests.faults.forgery import (
     old_ones,
     usurping_ones,
 )
-from tests.faults.gripper_plays import restart_while_holding, uncounted
+from tests.faults.gripper_plays import miss_an_order, restart_while_holding, uncounted
 from tests.faults.network_plays import bear, crowd, lose, partition
 from tests.faults.plays import (
     SURE_M,
@@ -80,6 +80,7 @@ ROWS = (
     Row("control process stalls 200 ms", "the driver's process begins the stop; continue", blink(control_gets(SIGSTOP), control_gets(SIGCONT), 0.2)),
     Row("remote site killed -9", "the robot's own watchdog stops it; restart disengaged", kill_remote, settings=("driver.name=c500c",)),
     Row("remote site restarted with the gripper holding", "the gripper keeps what it holds until a toggle", restart_while_holding, settings=("driver.name=c500c",)),
+    Row("gripper's link is down while it is told to open, then stop, reset, engage", "withdrawn; the gripper keeps what it holds", miss_an_order, settings=("driver.name=gripping",)),
     Row("samples count more openings than a hand can make", "a new baseline; gripper and arm stay, control goes on", uncounted(lambda pair: counting_ones(pair, 2.0))),
     Row("partition 100 ms", "continue or STOP, no catch-up", blink(impair(cut=True), impair(), 0.1)),
     Row("partition 1 s", "LATCH, no backlog, path back under 2 s", partition(1.0)),

@@ -1,9 +1,10 @@
-"""What may not move the gripper: a remote site that starts again while it holds, and counts that no hand makes."""
+"""What may not move the gripper: a new start while it holds, counts that no hand makes, orders that it missed."""
 
 import os
 import signal
 import time
 
+from common.messages.requests import EngagementAction
 from common.messages.robot import GripperCommand, SessionState
 from tests.faults.acts import Act
 from tests.faults.cell_pair import CellPair
@@ -13,6 +14,7 @@ from tests.faults.trial import Trial
 
 OPENS_M = 0.002
 GRIP_S = 1.5
+PATIENCE_S = 60.0
 
 
 def restart_while_holding(trial: Trial) -> None:
@@ -39,6 +41,31 @@ def restart_while_holding(trial: Trial) -> None:
     trial.check(not is_held(pair), "the second toggle has not opened the gripper")
 
 
+def miss_an_order(trial: Trial) -> None:
+    """Told to open while its link is down; when that is back, after stop, reset and engagement, the gripper holds."""
+    pair = trial.pair
+    pair.wait("a measured gripper", lambda: is_held(pair))
+    while pair.state.gripper_next is not GripperCommand.OPEN:
+        toggle(pair)
+    trial.begin(lambda pair: pair.robot(gripper_lost=True))
+    pair.wait("the loss of the gripper", lambda: pair.state.gripper is None)
+    order(pair)
+    for action in (EngagementAction.STOP, EngagementAction.RESET):
+        trial.check(pair.ask(action).done, f"no {action.value}")
+    pair.follow_from_here()
+    pair.robot(gripper_lost=False)
+    pair.wait("the gripper", lambda: pair.state.gripper is not None)
+    time.sleep(GRIP_S)
+    seen = [state.gripper for state in pair.states if state.t_ns > trial.fault_ns and state.gripper is not None]
+    widest_m = max(gripper.opening for gripper in seen)
+    trial.note(f"held, {1e3 * widest_m:.1f} mm wide at most")
+    trial.check(widest_m < OBJECT_M + OPENS_M, f"the gripper opened to {1e3 * widest_m:.1f} mm")
+    trial.check(pair.is_in(SessionState.ENGAGED), f"it does not follow: {pair.state.reason}")
+    while is_held(pair) and trial.elapsed_s < PATIENCE_S:
+        toggle(pair)
+    trial.check(not is_held(pair), "no toggle opens the gripper any more")
+
+
 def uncounted(act: Act) -> Play:
     """Openings that no hand makes: neither the gripper nor the arm moves, and control goes on."""
 
@@ -63,8 +90,13 @@ def is_held(pair: CellPair) -> bool:
 
 def toggle(pair: CellPair) -> None:
     """Open the hand and close it, and wait until the gripper has done what it should."""
+    order(pair)
+    time.sleep(GRIP_S)
+
+
+def order(pair: CellPair) -> None:
+    """Open the hand and close it."""
     applied = pair.state.gripper_toggles_applied
     pair.hand(open=True)
     pair.wait("the toggle", lambda: pair.state.gripper_toggles_applied > applied, 5)
     pair.hand(open=False)
-    time.sleep(GRIP_S)

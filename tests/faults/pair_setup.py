@@ -17,7 +17,10 @@ from farhand.loopback.site_process import free_ports
 A465 = "driver.name=c500c"
 CELL, OPERATOR, OTHERS = "faults", "anna", ("ben", "carl")
 WALL_CLOCK = Path(__file__).with_name("wall_clock.c")
-ENTRY_POINTS = "[farhand.drivers]\nrecording = tests.faults.recording_driver:RecordingDriver\n"
+ENTRY_POINTS = """[farhand.drivers]
+recording = tests.faults.recording_driver:RecordingDriver
+gripping = tests.faults.gripping_driver:GrippingDriver
+"""
 VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
 
 

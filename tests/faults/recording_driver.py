@@ -3,6 +3,7 @@
 import os
 import time
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -90,6 +91,9 @@ class RecordingDriver:
         """Hand it on."""
         self._driver.deactivate()
 
+    def told(self, fields: dict[str, Any]) -> None:
+        """What else a robot is commanded."""
+
     def _misread(self, reading: RobotReading) -> RobotReading:
         """The reading as commanded; "" keeps it."""
         self._kept = reading if self._kept is None or not self._misreads else self._kept
@@ -101,6 +105,7 @@ class RecordingDriver:
 
     def _obey(self) -> None:
         fields = self._commands.take()
+        self.told(fields)
         self._raises = fields.get("raises", self._raises)
         self._blocks_ms = fields.get("blocks_ms", self._blocks_ms)
         if fields.get("fault"):

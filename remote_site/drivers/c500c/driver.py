@@ -66,6 +66,7 @@ class C500cDriver:
             force=False,
             watchdog_ms=WATCHDOG_MS,
             queued_periods=MOST_QUEUED,
+            holds=True,
         )
 
     def configure(self, setup: DriverSetup) -> None:

@@ -1,13 +1,18 @@
-"""What a driver's gripper must do: obey OPEN and CLOSED, and with KEEP hold whatever it holds."""
+"""What a driver's gripper must do: obey OPEN and CLOSED soon or never, and with KEEP hold whatever it holds."""
 
 from collections.abc import Sequence
 
+from common.clock import NS_PER_MS
 from common.messages.robot import GripperCommand
-from remote_site.drivers.conformance.trial import Failed, Skipped, Trial
-from remote_site.drivers.driver import RobotReading
+from remote_site.drivers.conformance.trial import STEP_MS, Failed, Skipped, Trial
+from remote_site.drivers.driver import JointCommand, RobotReading
+from remote_site.kinematics.joints import JointMotion
 
 GRIP_MS = 2500  # to open or to close
 KEEPS_MS = 400
+OPPOSITE = {GripperCommand.OPEN: GripperCommand.CLOSED, GripperCommand.CLOSED: GripperCommand.OPEN}
+BEGINS_MS = 200  # beyond its lag: until fingers move that were told to before the stop
+LATER_MS = 1000
 MOVES_M = 0.002
 KEEPS_M = 0.001
 
@@ -33,6 +38,59 @@ def keeps_gripper(trial: Trial) -> None:
     _keeps(trial, _opening_m(found or trial.log))
     for command in (GripperCommand.CLOSED, GripperCommand.OPEN):
         _keeps(trial, _commanded(trial, command))
+
+
+def withdraws_gripper(trial: Trial) -> None:
+    """What the gripper was ordered before a stop, or long ago, and has not begun, it never does."""
+    _skip_without_gripper(trial)
+    trial.activated()
+    opening_m = {command: _commanded(trial, command) for command in OPPOSITE}
+    stroke_m = abs(opening_m[GripperCommand.OPEN] - opening_m[GripperCommand.CLOSED])
+    for before, command in OPPOSITE.items():
+        _not_after_a_stop(trial, command, _left(trial, before))
+    for before, command in OPPOSITE.items():
+        _not_after_a_pause(trial, command, _left(trial, before), stroke_m)
+        trial.driver.stop()
+        trial.run(trial.lag_ms)
+        trial.activate()
+
+
+def _not_after_a_stop(trial: Trial, command: GripperCommand, opening_m: float) -> None:
+    """An order that a stop follows at once: where it is not begun by then, no activation does it."""
+    trial.driver.write(_order(trial, command))
+    trial.driver.stop()
+    trial.run(trial.lag_ms + BEGINS_MS)
+    begun = abs(_opening_m(trial.log) - opening_m) > KEEPS_M
+    trial.activate()
+    _rest(trial, LATER_MS, GripperCommand.KEEP)
+    if not begun:
+        _kept(trial, opening_m, f"by an activation, as it was commanded ({command.value}) before the last stop")
+
+
+def _not_after_a_pause(trial: Trial, command: GripperCommand, opening_m: float, stroke_m: float) -> None:
+    """An order after which nothing calls the driver: where it was not done meanwhile, no later call does it."""
+    trial.driver.write(_order(trial, command))
+    since_ns = trial.clock.now_ns() + GRIP_MS * NS_PER_MS
+    trial.clock.sleep_until_ns(since_ns)
+    while trial.last().t_ns < since_ns and trial.clock.now_ns() - since_ns < trial.lag_ms * NS_PER_MS:
+        trial.run(STEP_MS)
+    done = abs(_opening_m(trial.log) - opening_m) > stroke_m / 2
+    trial.run(LATER_MS)
+    if not done:
+        _kept(trial, opening_m, f"as it was commanded ({command.value}) {GRIP_MS} ms before, when it was not called")
+
+
+def _left(trial: Trial, command: GripperCommand) -> float:
+    """The opening after the gripper has been commanded for long enough, and is commanded nothing more."""
+    _commanded(trial, command)
+    _rest(trial, KEEPS_MS, GripperCommand.KEEP)
+    return _opening_m(trial.log)
+
+
+def _order(trial: Trial, command: GripperCommand) -> JointCommand:
+    """An order to the gripper where the arm was sent last, past the supervisor, which would withdraw it as well."""
+    rest = JointMotion.at_rest(trial.supervisor.written.q)
+    return JointCommand(trial.last_seq + 1, trial.clock.now_ns(), rest.q, rest.dq, rest.ddq, command)
 
 
 def _skip_without_gripper(trial: Trial) -> None:

@@ -10,6 +10,7 @@ from common.geometry import Array
 from common.messages.robot import GripperCommand
 from remote_site.drivers.faults import MOST_NATIVE, MOST_SENTENCE, FaultCode, RobotFault
 from remote_site.drivers.franka.robot_limits import JOINTS
+from remote_site.drivers.gripper_orders import GripperOrder
 from remote_site.drivers.memory import WORD, OrderRing
 from remote_site.shared_record import SharedRecord
 
@@ -27,7 +28,7 @@ ARM_STATUS = np.dtype(
         ("sentence", f"U{MOST_SENTENCE}"),
     ]
 )
-HAND_ORDER = np.dtype([("count", np.uint32), ("gripper", WORD)])
+HAND_ORDER = np.dtype([("count", np.uint32), ("gripper", WORD), ("until_ns", np.int64)])
 HAND_STATUS = np.dtype([("done", np.uint32), ("opening_m", np.float64)])
 
 
@@ -79,26 +80,36 @@ class HandMemory:
 
     _orders: SharedRecord = field(default_factory=lambda: SharedRecord(HAND_ORDER))
     _status: SharedRecord = field(default_factory=lambda: SharedRecord(HAND_STATUS))
+    _count: int = 0  # of the driver's orders
 
     def __post_init__(self) -> None:
         self.report(0, math.nan)
 
-    def order(self, count: int, gripper: GripperCommand) -> None:
+    def order(self, order: GripperOrder) -> None:
         """Order the gripper to open or close; only the driver does."""
-        self._orders.write(np.array((count, gripper.value.encode()), HAND_ORDER))
+        self._count += 1
+        self._write(order)
 
-    def ordered(self) -> tuple[int, GripperCommand]:
-        """The newest order by its number; 0 and KEEP before the first."""
+    def withdraw(self) -> None:
+        """Order nothing in the place of the last order, which counts as done; only the driver does."""
+        self._write(GripperOrder(GripperCommand.KEEP, 0))
+
+    def ordered(self) -> tuple[int, GripperOrder]:
+        """The newest order and its number; number 0 before the first, KEEP where it was withdrawn."""
         fields: Any = self._orders.read().item()
-        count, gripper = fields
-        return count, GripperCommand(gripper.decode()) if count else GripperCommand.KEEP
+        count, gripper, until_ns = fields
+        return count, GripperOrder(GripperCommand(gripper.decode()) if count else GripperCommand.KEEP, until_ns)
 
     def report(self, done: int, opening_m: float) -> None:
         """Publish which order is done, and the opening, NaN without one; only the gripper's process does."""
         self._status.write(np.array((done, opening_m), HAND_STATUS))
 
-    def opening_m(self, count: int) -> float | None:
-        """The opening, None while order `count` is not done or nothing is measured."""
+    @property
+    def opening_m(self) -> float | None:
+        """The opening, None while the driver's last order is not done or nothing is measured."""
         fields: Any = self._status.read().item()
         done, opening_m = fields
-        return None if done != count or math.isnan(opening_m) else float(opening_m)
+        return None if done != self._count or math.isnan(opening_m) else float(opening_m)
+
+    def _write(self, order: GripperOrder) -> None:
+        self._orders.write(np.array((self._count, order.gripper.value.encode(), order.until_ns), HAND_ORDER))

@@ -22,6 +22,7 @@ from remote_site.drivers.franka.config import FrankaConfig
 from remote_site.drivers.franka.connecting import SILENT
 from remote_site.drivers.franka.played_motion import WATCHDOG_MS
 from remote_site.drivers.franka.robot_limits import JOINTS, check_fr3
+from remote_site.drivers.gripper_orders import GripperOrders
 from remote_site.drivers.supervisor.orders import DriverOrder
 
 RATE_HZ = 1000.0
@@ -52,10 +53,10 @@ class FrankaDriver:
     def __init__(self, config: FrankaConfig, side: RobotSide, clock: Clock) -> None:
         self._config, self._side, self._clock = config, side, clock
         self._setup: DriverSetup | None = None
-        self._activation = self._hand_orders = 0
+        self._activation = 0
         self._running = False
         self._q0: Array = np.zeros(JOINTS)
-        self._gripper = GripperCommand.KEEP
+        self._gripper = GripperOrders()
 
     @property
     def capabilities(self) -> Capabilities:
@@ -87,13 +88,14 @@ class FrankaDriver:
         if np.abs(status.dq).max() > RESTING_RAD_S or not np.isfinite(q0).all():
             raise DriverError(STILL_MOVING.sentence)
         self._activation += 1
-        self._running, self._q0, self._gripper = True, np.array(q0, dtype=float), GripperCommand.KEEP
+        self._running, self._q0 = True, np.array(q0, dtype=float)
+        self._withdraw_grip()
         self._order(self._at_rest(), run=True)
 
     def read(self) -> RobotReading:
         """The newest state of the robot; DriverError before the first."""
         status = self._measured()
-        opening_m = self._side.hand.opening_m(self._hand_orders) if self._side.hand is not None else None
+        opening_m = self._side.hand.opening_m if self._side.hand is not None else None
         grip = GripperReading(opening_m, None) if opening_m is not None else None
         return RobotReading(status.t_ns, status.q, status.dq, grip, self._fault(status), self._obeyed(status))
 
@@ -102,13 +104,15 @@ class FrankaDriver:
         if not self._running:
             raise DriverError(STOPPED.sentence if self._activation else NOT_ACTIVATED.sentence)
         self._order(command, run=True)
-        if command.gripper is not self._gripper and command.gripper is not GripperCommand.KEEP:
-            self._order_hand(command.gripper)
-        self._gripper = command.gripper
+        self._grip(command)
         return command
 
     def stop(self) -> None:
-        """Have the arm brake within its limits, and end its motion: the robot then holds it."""
+        """Have the arm brake within its limits, and end its motion: the robot then holds it.
+
+        Fingers that have begun to move come to their end: the maker's client waits for them, and cannot be interrupted.
+        """
+        self._withdraw_grip()
         if self._running:
             self._order(self._at_rest(), run=False)
         self._running = False
@@ -121,10 +125,16 @@ class FrankaDriver:
     def _order(self, command: JointCommand, *, run: bool) -> None:
         self._side.arm.orders.write(DriverOrder(self._activation, run, 0, command))
 
-    def _order_hand(self, gripper: GripperCommand) -> None:
-        if self._side.hand is not None:
-            self._hand_orders += 1
-            self._side.hand.order(self._hand_orders, gripper)
+    def _grip(self, command: JointCommand) -> None:
+        if command.gripper is GripperCommand.KEEP:
+            self._withdraw_grip()
+        order = self._gripper.note(command.gripper, command.t_ns)
+        if order is not None and self._side.hand is not None:
+            self._side.hand.order(order)
+
+    def _withdraw_grip(self) -> None:
+        if self._gripper.withdraw() and self._side.hand is not None:
+            self._side.hand.withdraw()
 
     def _at_rest(self) -> JointCommand:
         zero = np.zeros(JOINTS)

@@ -11,6 +11,7 @@ from common.errors import DriverError
 from common.messages.robot import GripperCommand
 from remote_site.drivers.franka.arm_memory import HandMemory
 from remote_site.drivers.franka.robot_port import HandPort, LinkLostError, RobotRefusedError
+from remote_site.drivers.gripper_orders import GripperOrder
 
 PAUSE_NS = 10 * NS_PER_MS
 AGAIN_NS = NS_PER_S
@@ -18,10 +19,11 @@ HOMED_M = 0.01  # a hand that was not homed since its start reports a width of 0
 
 
 class HandLoop:
-    """Connects and measures; each turn does the newest order, if there is one, and measures again.
+    """Connects and measures; each turn measures, and then does the newest order, if there is one.
 
-    The maker's client waits while the fingers move, so nothing is measured meanwhile. A gripper that fails stops no
-    arm: what it fails at is logged, and its opening shows the rest.
+    So the link is known to be up when an order goes out. What was ordered before there was a link, or before it was
+    lost, is done no more. The maker's client waits while the fingers move, so nothing is measured meanwhile. A gripper
+    that fails stops no arm: what it fails at is logged, and its opening shows the rest.
     """
 
     def __init__(
@@ -36,42 +38,60 @@ class HandLoop:
         self._log = structlog.get_logger()
 
     def turn(self) -> None:
-        """Do what is ordered, then measure."""
-        count, gripper = self._memory.ordered()
+        """Measure, then do what is ordered."""
         try:
-            if self._hand is None:
-                hand = self._connect()
-                self._widest_m, self._hand = hand.read().widest_m, hand
-            if count != self._done:
-                self._obey(self._hand, count, gripper)
-            state = self._hand.read()
+            hand = self._connected()
+            state = hand.read()
             self._widest_m = state.widest_m
             self._memory.report(self._done, state.opening_m)
+            count, order = self._memory.ordered()
+            if count != self._done:
+                self._obey(hand, order)
+                self._done = count
         except LinkLostError as error:
             if self._hand is not None or not self._told:
                 cure = "without a Franka Hand set driver.options.gripper = false"
                 self._log.warning("no link to the gripper", reason=str(error), cure=cure)
             self._hand, self._told = None, True
+            self._withdraw()
             self._memory.report(self._done, math.nan)
             self._clock.sleep_until_ns(self._clock.now_ns() + AGAIN_NS)
 
-    def _obey(self, hand: HandPort, count: int, gripper: GripperCommand) -> None:
+    def _connected(self) -> HandPort:
+        """The gripper; of a new link what was ordered without it is withdrawn."""
+        if self._hand is None:
+            self._hand = self._connect()
+            self._withdraw()
+        return self._hand
+
+    def _withdraw(self) -> None:
+        count, order = self._memory.ordered()
+        if count != self._done and order.gripper is not GripperCommand.KEEP:
+            self._log.warning("the gripper has no link, and will not do what was ordered", ordered=order.gripper.value)
+        self._done = count
+
+    def _obey(self, hand: HandPort, order: GripperOrder) -> None:
+        if order.gripper is GripperCommand.KEEP:
+            return
+        if self._clock.now_ns() > order.until_ns:
+            self._log.warning("the gripper was ordered too long ago, and keeps", ordered=order.gripper.value)
+            return
         try:
-            if gripper is GripperCommand.OPEN and self._widest_m < HOMED_M:
-                raise RobotRefusedError("it has not been homed, and does not know how wide it opens")
-            if gripper is GripperCommand.OPEN:
-                done = hand.open(self._widest_m, self._speed_m_s)
-            else:
-                done = hand.close(self._speed_m_s, self._force_n)
+            done = self._move(hand, order.gripper)
         except LinkLostError:
             raise
         except DriverError as error:
             self._log.warning("the gripper refuses", said=str(error), cure="home it in Desk")
         else:
             if not done:
-                self._log.warning("the gripper did not end where it was sent", ordered=gripper.value)
-        finally:
-            self._done = count
+                self._log.warning("the gripper did not end where it was sent", ordered=order.gripper.value)
+
+    def _move(self, hand: HandPort, gripper: GripperCommand) -> bool:
+        if gripper is GripperCommand.CLOSED:
+            return hand.close(self._speed_m_s, self._force_n)
+        if self._widest_m < HOMED_M:
+            raise RobotRefusedError("it has not been homed, and does not know how wide it opens")
+        return hand.open(self._widest_m, self._speed_m_s)
 
 
 def run_hand_loop(loop: HandLoop, clock: Clock, beat: Callable[[], None]) -> NoReturn:

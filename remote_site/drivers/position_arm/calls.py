@@ -11,7 +11,9 @@ from common.errors import DriverError
 from common.geometry import Array
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.gripper_orders import GripperOrders
 from remote_site.drivers.position_arm.arm import MeasuredPositions, PositionArm, PositionArmWithGripper, Positions
+from remote_site.drivers.position_steps import PositionSteps
 
 T = TypeVar("T")
 
@@ -33,18 +35,22 @@ class Calls(Protocol):
     """What a driver has its arm do.
 
     `obeyed` is the number of the last command that was written since `begin`, None before. `begin` comes before the
-    first command of an activation. `measure`, called in every turn, returns what has newly been measured, or None; it
+    first command of an activation, where the arm is at `q` (n,) rad; from there no position is further than `most_rad`
+    (n,) from the one before it. `withdraw_grip`: what the gripper was ordered and does not do yet, it will not do;
+    neither does it after a stop. `measure`, called in every turn, returns what has newly been measured, or None; it
     repeats a stop that has failed until one succeeds. `end` comes last: it stops the arm if told to, and lets go of it.
     """
 
     @property
     def obeyed(self) -> int | None: ...
 
-    def begin(self, most_n: float) -> None: ...
+    def begin(self, q: Array, most_rad: Array, most_n: float) -> None: ...
 
     def measure(self) -> Measurement | None: ...
 
     def write(self, command: JointCommand) -> None: ...
+
+    def withdraw_grip(self) -> None: ...
 
     def stop(self) -> None: ...
 
@@ -62,7 +68,8 @@ class ArmCalls:
         self._period_ns = round(NS_PER_S / arm.rate_hz)
         self._due_ns = 0
         self._owes_stop = False
-        self._gripper, self._most_n = GripperCommand.KEEP, 0.0
+        self._steps: PositionSteps | None = None
+        self._gripper, self._most_n = GripperOrders(), 0.0
         self.obeyed: int | None = None
         self.under_way: tuple[str, int] | None = None
 
@@ -71,14 +78,15 @@ class ArmCalls:
         """When the arm is to be read again."""
         return self._due_ns
 
-    def begin(self, most_n: float) -> None:
+    def begin(self, q: Array, most_rad: Array, most_n: float) -> None:
         """Nothing has been commanded; the gripper, too, keeps what it does. `most_n` is its largest force.
 
         DriverError while a stop has not succeeded.
         """
         if self._owes_stop:
             raise DriverError("the arm has not been stopped yet")
-        self.obeyed, self._gripper, self._most_n = None, GripperCommand.KEEP, most_n
+        self.withdraw_grip()
+        self.obeyed, self._steps, self._most_n = None, PositionSteps(most_rad, q), most_n
 
     def measure(self) -> Measurement | None:
         """Read the arm once a period."""
@@ -92,13 +100,31 @@ class ArmCalls:
 
     def write(self, command: JointCommand) -> None:
         """Send the arm to a command's positions, and the gripper if the command has changed."""
-        positions = np.array(command.q)  # the arm may keep it, and write to it
+        self.note_grip(command)
+        self.send(command)
+
+    def note_grip(self, command: JointCommand) -> None:
+        """Note what the gripper is ordered, for the next `send`; any thread may."""
+        self._gripper.note(command.gripper, command.t_ns)
+
+    def withdraw_grip(self) -> None:
+        """Forget what the gripper was ordered; any thread may, also while the arm is being sent somewhere."""
+        self._gripper.withdraw()
+
+    def send(self, command: JointCommand) -> None:
+        """Send the arm to a command's positions, and then have the gripper do what is ordered by now.
+
+        After a pause, as of a thread whose last call was slow, they are too far for one step: it gets there in several.
+        """
+        q = command.q if self._steps is None else self._steps.towards(command.q)
+        positions = np.array(q)  # the arm may keep it, and write to it
         self._call("write", lambda: self._arm.write(positions))
         self.obeyed = command.seq
-        self._grip(command.gripper)
+        self._grip(self._gripper.take(self._clock.now_ns()))
 
     def stop(self) -> None:
         """Stop the arm."""
+        self.withdraw_grip()
         self._owes_stop = True
         self._call("stop", self._arm.stop)
         self._owes_stop = False
@@ -136,14 +162,13 @@ class ArmCalls:
         return self._call("gripper_opening_m", arm.gripper_opening_m)
 
     def _grip(self, command: GripperCommand) -> None:
-        arm, keeps = self._arm, command in (GripperCommand.KEEP, self._gripper)
-        if keeps or not isinstance(arm, PositionArmWithGripper):
+        arm = self._arm
+        if not isinstance(arm, PositionArmWithGripper):
             return
         if command is GripperCommand.OPEN:
             self._call("open_gripper", arm.open_gripper)
-        else:
+        elif command is GripperCommand.CLOSED:
             self._call("close_gripper", lambda: arm.close_gripper(self._most_n))
-        self._gripper = command
 
     def _call(self, method: str, call: Callable[[], T]) -> T:
         name = f"{self._name}.{method}"

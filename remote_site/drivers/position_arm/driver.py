@@ -43,6 +43,7 @@ class PositionArmDriver:
             force=False,
             watchdog_ms=None,
             lag_ms=arm.lag_ms,
+            holds=True,
         )
         calls = ArmCalls(arm, clock)
         self._calls: Calls = ThreadedCalls(calls, clock) if arm.threaded else calls
@@ -74,7 +75,7 @@ class PositionArmDriver:
             raise DriverError(STILL_MOVING.sentence)
         if not np.abs(reading.q - q0).max() <= NEAR_RAD:
             raise DriverError(apart(setup.joint_names, q0.tolist(), reading.q.tolist()).sentence)
-        self._calls.begin(setup.grip_force_n)
+        self._calls.begin(q0, setup.limits.velocity * (self._period_ns(setup) / NS_PER_S), setup.grip_force_n)
         self._sent, self._fault = None, None
 
     def read(self) -> RobotReading:
@@ -111,6 +112,10 @@ class PositionArmDriver:
             raise DriverError("configure the driver before the arm is used")
         return self._setup
 
+    def _period_ns(self, setup: DriverSetup) -> int:
+        """From one position to the next: a tick of control at least, whatever the arm could take."""
+        return round(max(1.0 / self._arm.rate_hz, setup.dt) * NS_PER_S)
+
     def _watch(self, setup: DriverSetup, now_ns: int) -> None:
         """Stop an arm that nobody commands any more."""
         silent_ns, limit_ns = self._silence.of(self._written_ns, now_ns), setup.command_timeout_ns
@@ -120,11 +125,10 @@ class PositionArmDriver:
     def _begin_stop(self, setup: DriverSetup, why: RobotFault) -> None:
         sent, was_active = self._sent, self._fault is None
         self._fault = self._fault or why
+        self._calls.withdraw_grip()
         if self._arm.writes_stop and was_active and sent is not None:
-            period_ns = round(NS_PER_S / self._arm.rate_hz)
-            onset_ns = max(self._written_ns, self._clock.now_ns() - period_ns)
             lag_s = self._capabilities.longest_lag_s
-            self._stop = WrittenStop(sent.motion, setup.limits, onset_ns, period_ns, lag_s)
+            self._stop = WrittenStop(sent.motion, setup.limits, self._written_ns, self._period_ns(setup), lag_s)
         else:
             self._calls.stop()
 

@@ -6,6 +6,7 @@ from functools import partial
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
+from common.geometry import Array
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.position_arm.calls import ArmCalls, Measurement
 
@@ -38,13 +39,13 @@ class ThreadedCalls:
         """The number of the last command that the thread has written."""
         return self._calls.obeyed
 
-    def begin(self, most_n: float) -> None:
+    def begin(self, q: Array, most_rad: Array, most_n: float) -> None:
         """Nothing has been commanded; DriverError while a stop has not reached the arm."""
         with self._changed:
             if self._stops:
                 raise DriverError(f"the arm has not been stopped yet; {self._waits_for()}")
             self._unwritten = None
-            self._calls.begin(most_n)
+            self._calls.begin(q, most_rad, most_n)
 
     def measure(self) -> Measurement | None:
         """What the thread has read since the last call; raises what it has met."""
@@ -62,11 +63,17 @@ class ThreadedCalls:
             if error is not None:
                 raise error
             self._command = command
+            self._calls.note_grip(command)
             self._changed.notify_all()
+
+    def withdraw_grip(self) -> None:
+        """Forget what the gripper was ordered, also where the thread waits for the arm before it comes to that."""
+        self._calls.withdraw_grip()
 
     def stop(self) -> None:
         """Have the arm stopped; DriverError where a call has been under way for so long that it may never return."""
         self._start()
+        self.withdraw_grip()
         with self._changed:
             self._command, self._error, self._stops = None, None, True
             self._changed.notify_all()
@@ -81,6 +88,7 @@ class ThreadedCalls:
         if self._thread is None:
             self._calls.end(stops=stops)
             return
+        self.withdraw_grip()
         with self._changed:
             self._command, self._stops, self._ends = None, self._stops or stops, True
             self._changed.notify_all()
@@ -145,7 +153,7 @@ class ThreadedCalls:
 
     def _write(self, command: JointCommand) -> None:
         try:
-            self._calls.write(command)
+            self._calls.send(command)
         except BaseException as error:
             self._unwritten = error
             raise

@@ -76,6 +76,7 @@ class DriverSupervisor:
         """Begin the stop as of the last command, and take no more until activated."""
         if self.state in ACTIVE:
             self.commanded.begin_stop(now_ns)
+            self._writer.withdraw_grip()
             self.state, self.fault = SupervisorState.STOPPING, why
 
     @property

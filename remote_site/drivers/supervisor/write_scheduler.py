@@ -14,10 +14,13 @@ class WriteScheduler(Generic[T]):
     """Motions wait here, each with its time in the plan, ns, until they may be written.
 
     A motion is written no sooner after the last one than nine tenths of the planned time between them. What waits
-    because a call was late follows at that pace until the delay is made up; otherwise nothing waits.
+    because a call was late follows at that pace until the delay is made up; otherwise nothing waits. A robot that stays
+    where it was sent last goes on from there after a pause: with `longest_ns` no motion is further on in the plan than
+    that from the one before it, so the plan waits as long as nothing was written.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, longest_ns: int | None = None) -> None:
+        self._longest_ns = longest_ns
         self._waiting: deque[tuple[int, T]] = deque()
         self._written_ns = self._planned_ns = self._extra_ns = 0
 
@@ -86,5 +89,5 @@ class WriteScheduler(Generic[T]):
         return self._written_ns + math.ceil(LEAST_FRACTION * (self._waiting[0][0] - self._planned_ns + self._extra_ns))
 
     def _furthest_ns(self, now_ns: int) -> int:
-        elapsed_ns = math.floor((now_ns - self._written_ns) / LEAST_FRACTION + ROUNDING_NS)
-        return self._planned_ns - self._extra_ns + elapsed_ns
+        further_ns = math.floor((now_ns - self._written_ns) / LEAST_FRACTION + ROUNDING_NS) - self._extra_ns
+        return self._planned_ns + (further_ns if self._longest_ns is None else min(further_ns, self._longest_ns))

@@ -84,6 +84,27 @@ def test_a_hand_that_opened_meanwhile_and_is_counted_afterwards_never_moves_the_
     assert (loop.gripper, loop.snapshot.gripper_toggles) == (GripperCommand.CLOSED, 1)
 
 
+@pytest.mark.parametrize("ended", ["stopped", "faulted"])
+def test_a_stop_and_a_fault_withdraw_what_the_gripper_was_ordered(ended: str) -> None:
+    loop = engaged()
+    loop.run(10 * EVERY, still, gripper_toggles=1)
+    assert loop.gripper is GripperCommand.CLOSED
+    if ended == "stopped":
+        loop.ask(EngagementAction.STOP)
+    else:
+        loop.session.fault("the video process ended")
+    loop.run(EVERY, still, gripper_toggles=1)
+    assert loop.gripper is GripperCommand.KEEP
+    loop.ask(EngagementAction.RESET)
+    loop.run(GOOD, still, gripper_toggles=1)
+    loop.ask(EngagementAction.ENGAGE)
+    loop.run(GOOD, still, gripper_toggles=1)
+    assert loop.states[-1] is SessionState.ENGAGED
+    assert loop.gripper is GripperCommand.KEEP
+    loop.run(EVERY, still, gripper_toggles=2)
+    assert loop.gripper is GripperCommand.OPEN
+
+
 def test_a_hand_lost_for_a_single_frame_between_two_ticks_counts_nothing_either() -> None:
     loop = engaged()
     loop.run(1, still, status=TrackingStatus.LOST)

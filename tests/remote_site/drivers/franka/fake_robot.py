@@ -18,7 +18,7 @@ from remote_site.drivers.franka.arm_memory import ArmMemory, HandMemory
 from remote_site.drivers.franka.config import FrankaConfig
 from remote_site.drivers.franka.driver import FrankaDriver
 from remote_site.drivers.franka.hand_loop import HandLoop
-from remote_site.drivers.franka.robot_port import ArmState, HandState
+from remote_site.drivers.franka.robot_port import ArmState, HandState, LinkLostError, UnreachableError
 from remote_site.drivers.franka.robot_watch import RobotWatch
 from remote_site.runtime.driver_process import setup_of
 
@@ -84,15 +84,23 @@ class FakeRobot:
 
 @dataclass
 class FakeHand:
-    """A `HandPort` whose fingers are there at once, closed on `object_m`."""
+    """A `HandPort` whose fingers are there at once, closed on `object_m`, unless its link is `lost`."""
 
     opening_m: float = 0.04
     object_m: float = 0.0
     widest_m: float = 0.08
     raises: DriverError | None = None
+    lost: bool = False
     calls: list[str] = field(default_factory=list)
 
+    def connected(self) -> "FakeHand":
+        if self.lost:
+            raise UnreachableError("the gripper does not answer")
+        return self
+
     def read(self) -> HandState:
+        if self.lost:
+            raise LinkLostError("the gripper does not answer")
         return HandState(self.opening_m, self.widest_m)
 
     def open(self, width_m: float, speed_m_s: float) -> bool:  # noqa: ARG002  # as the protocol names it
@@ -112,7 +120,10 @@ class FakeHand:
 
 
 class SteppedSide(FakeClock):
-    """A `RobotSide` without processes, and the clock that takes it along, millisecond by millisecond."""
+    """A `RobotSide` without processes, and the clock that takes it along, millisecond by millisecond.
+
+    While `hand_waits` the gripper's process does nothing, as in a call that has not returned.
+    """
 
     def __init__(self, robot: FakeRobot, hand: FakeHand | None, connect: Callable[[], FakeRobot] | None = None) -> None:
         super().__init__(NS_PER_MS * 1000)
@@ -121,14 +132,13 @@ class SteppedSide(FakeClock):
         self.loop: ArmLoop | None = None
         self._hand_loop: HandLoop | None = None
         self.failed = ""
-        self.ended = False
+        self.ended = self.hand_waits = False
 
     def start(self, setup: DriverSetup) -> None:
         now = _Now(self)
         self.loop = ArmLoop(RobotWatch(self._connect, now), self.arm, setup)
         if self._grips is not None and self.hand is not None:
-            grips = self._grips
-            self._hand_loop = HandLoop(lambda: grips, self.hand, now, 0.1, setup.grip_force_n)
+            self._hand_loop = HandLoop(self._grips.connected, self.hand, now, 0.1, setup.grip_force_n)
 
     def failure(self) -> str:
         return self.failed
@@ -143,7 +153,7 @@ class SteppedSide(FakeClock):
             self.time_ns += NS_PER_MS
             if self.loop is not None and not self.failed and (not self.ended or self.loop.moving):
                 self.loop.turn()
-            if self._hand_loop is not None and self.time_ns // NS_PER_MS % 10 == 0:
+            if self._hand_loop is not None and not self.hand_waits and self.time_ns // NS_PER_MS % 10 == 0:
                 self._hand_loop.turn()
 
     def pass_ms(self, ms: int) -> None:

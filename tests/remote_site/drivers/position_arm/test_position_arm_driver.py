@@ -213,6 +213,37 @@ def test_it_is_not_activated_while_its_stop_is_written():
     assert driven.reading().fault is None
 
 
+def test_it_is_not_activated_while_its_stop_is_written_although_it_is_too_slow_to_be_read_moving():
+    driven = DrivenArm().active().at_speed(0.015)
+    driven.driver.stop()
+    reading = driven.reading()
+    assert not reading.moving
+    with pytest.raises(DriverError, match="still moves"):
+        driven.driver.activate(reading.q)
+
+
+def test_a_stop_begins_where_the_arm_was_sent_however_long_ago():
+    driven = DrivenArm().active().at_speed()
+    at = driven.arm.goal[0]
+    driven.turns(50)
+    driven.driver.stop()
+    _, q = np.array(written_during(driven, 500)).reshape(2, -1)
+    steps = np.diff([at, *q])
+    assert steps[0] == pytest.approx(0.8 * 0.01, rel=0.1)
+    assert (np.diff(steps) <= 1e-9).all()
+    assert q[-1] - at == pytest.approx(stops(MOTION, SETUP.limits)[0].end - MOTION.q[0], rel=0.01)
+
+
+def test_an_arm_that_has_long_stood_where_it_was_sent_is_stopped_there():
+    driven = DrivenArm().active().at_speed()
+    at = driven.arm.goal[0]
+    driven.turns(90)
+    driven.driver.stop()
+    assert written_during(driven, 500).size == 0
+    assert driven.arm.goal[0] == pytest.approx(at, abs=0.02)
+    assert driven.arm.calls.count("stop") == 1
+
+
 def test_a_written_stop_that_pauses_does_not_jump_to_its_end():
     driven = DrivenArm().active().at_speed(2.0)
     at = driven.arm.goal[0]
@@ -261,6 +292,9 @@ def test_an_arm_that_was_never_configured_is_not_called():
     assert driven.arm.calls == []
 
 
+MOTION = JointMotion(START, 0.8 * np.eye(6)[0], np.zeros(6))
+
+
 def grips(driven):
     return [call for call in driven.arm.calls if call in ("open", "close_gripper")]
 
@@ -289,6 +323,17 @@ def test_the_stop_that_is_written_leaves_the_gripper_alone():
     driven.driver.stop()
     driven.turns(1000)
     assert grips(driven) == ["open"]
+
+
+@pytest.mark.parametrize(("write_ms", "expected"), [(900.0, ["open"]), (1100.0, [])])
+def test_an_order_that_a_write_keeps_for_longer_than_a_second_is_never_done(write_ms, expected):
+    driven = DrivenArm(GripperArm).active()
+    at_once = driven.arm.write
+    driven.arm.write = lambda positions: (driven.clock.advance_ms(write_ms), at_once(positions))
+    driven.command(0.0, gripper=OPEN)
+    driven.arm.write = at_once
+    driven.command(0.0, gripper=OPEN)
+    assert grips(driven) == expected
 
 
 def test_the_opening_is_read_and_none_where_it_cannot_be():

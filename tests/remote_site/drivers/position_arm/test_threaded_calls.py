@@ -11,7 +11,7 @@ from common.clock import MonotonicClock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
-from remote_site.drivers.position_arm.arm import PositionArm
+from remote_site.drivers.position_arm.arm import PositionArm, PositionArmWithGripper
 from remote_site.drivers.position_arm.calls import ArmCallError
 from remote_site.drivers.position_arm.driver import PositionArmDriver
 from tests.contracts.driver_stands import SETUP
@@ -60,6 +60,19 @@ class WaitingArm(PositionArm):
             raise self.raises[name]
 
 
+class WaitingGripperArm(WaitingArm, PositionArmWithGripper):
+    """The same with a gripper, which does not wait."""
+
+    def open_gripper(self):
+        self.calls.append(("open",))
+
+    def close_gripper(self, most_n):
+        self.calls.append(("close_gripper", most_n))
+
+    def gripper_opening_m(self):
+        return 0.04
+
+
 def until(condition):
     """Wait until it holds; the test fails if it does not come to that."""
     end = time.monotonic() + PATIENCE_S
@@ -76,8 +89,8 @@ def reads(driver):
 
 
 @pytest.fixture
-def arm():
-    arm = WaitingArm()
+def arm(request):
+    arm = getattr(request, "param", WaitingArm)()
     yield arm
     for gate in arm.gates.values():
         gate.set()
@@ -96,7 +109,7 @@ def driver(arm):
 
 
 def command(seq, q, gripper=GripperCommand.KEEP):
-    return JointCommand(seq, 0, np.full(6, q), np.zeros(6), np.zeros(6), gripper)
+    return JointCommand(seq, time.monotonic_ns(), np.full(6, q), np.zeros(6), np.zeros(6), gripper)
 
 
 def test_one_thread_of_its_own_makes_all_calls(arm, driver):
@@ -127,6 +140,21 @@ def test_no_call_waits_for_the_robot_and_the_newest_command_goes_first(arm, driv
     assert [call[1] for call in arm.calls if call[0] == "write"] == [0.003]
 
 
+def test_after_a_call_that_was_slow_the_arm_is_sent_no_further_at_once(arm, driver):
+    driver.activate(np.zeros(6))
+    arm.gates["read"].clear()
+    until(lambda: arm.at_once)
+    for seq in range(1, 30):
+        driver.write(command(seq, 0.005 * seq))
+    arm.gates["read"].set()
+    for seq in range(30, 60):
+        driver.write(command(seq, 0.145))
+        time.sleep(0.003)
+    until(lambda: ("write", 0.145) in arm.calls)
+    sent = [0.0, *(call[1] for call in arm.calls if call[0] == "write")]
+    assert np.diff(sent).max() <= SETUP.limits.velocity.min() / arm.rate_hz * 1.0001
+
+
 def test_a_reading_that_does_not_come_back_keeps_its_stamp(arm, driver):
     arm.gates["read"].clear()
     until(lambda: arm.at_once)
@@ -138,21 +166,21 @@ def test_a_reading_that_does_not_come_back_keeps_its_stamp(arm, driver):
 
 def test_a_stop_replaces_the_command_that_waits(arm, driver):
     driver.activate(np.zeros(6))
-    driver.write(command(1, 0.1))
+    driver.write(command(1, 0.01))
     driver.stop()
     until(lambda: ("stop",) in arm.calls)
     after = arm.calls[arm.calls.index(("stop",)) :]
     time.sleep(0.05)
-    assert ("write", 0.1) not in after
+    assert ("write", 0.01) not in after
     with pytest.raises(DriverError, match="activate the arm"):
-        driver.write(command(2, 0.2))
+        driver.write(command(2, 0.02))
 
 
 def test_a_stop_behind_a_call_that_does_not_return_says_so_and_comes_when_it_does(arm, driver):
     driver.activate(np.zeros(6))
     arm.gates["write"].clear()
-    driver.write(command(1, 0.1))
-    until(lambda: ("write", 0.1) in arm.calls)
+    driver.write(command(1, 0.01))
+    until(lambda: ("write", 0.01) in arm.calls)
     begun = time.monotonic()
     driver.stop()
     assert time.monotonic() - begun < PATIENCE_S
@@ -163,6 +191,36 @@ def test_a_stop_behind_a_call_that_does_not_return_says_so_and_comes_when_it_doe
         driver.activate(np.zeros(6))
     arm.gates["write"].set()
     until(lambda: ("stop",) in arm.calls)
+
+
+@pytest.mark.parametrize("arm", [WaitingGripperArm], indirect=True)
+@pytest.mark.parametrize("writes_stop", [False, True])
+def test_what_the_gripper_is_ordered_behind_a_call_that_does_not_return_is_withdrawn_by_a_stop(
+    arm, driver, writes_stop
+):
+    arm.writes_stop = writes_stop
+    driver.activate(np.zeros(6))
+    arm.gates["write"].clear()
+    driver.write(command(1, 0.001, GripperCommand.OPEN))
+    until(lambda: ("write", 0.001) in arm.calls)
+    driver.stop()
+    arm.gates["write"].set()
+    until(lambda: reads(driver) and ("stop",) in arm.calls)
+    until(lambda: arm.calls[-1] == ("read",))
+    assert ("open",) not in arm.calls
+
+
+@pytest.mark.parametrize("arm", [WaitingGripperArm], indirect=True)
+def test_of_what_the_gripper_is_ordered_behind_a_call_the_newest_is_done(arm, driver):
+    driver.activate(np.zeros(6))
+    arm.gates["read"].clear()
+    until(lambda: arm.at_once)
+    for seq, gripper in enumerate((GripperCommand.OPEN, GripperCommand.CLOSED), 1):
+        driver.write(command(seq, 0.0, gripper))
+    arm.gates["read"].set()
+    until(lambda: driver.read().obeyed_seq == 2)
+    until(lambda: arm.calls[-1] == ("read",))
+    assert [call[0] for call in arm.calls if "open" in call[0] or "gripper" in call[0]] == ["close_gripper"]
 
 
 @pytest.mark.parametrize("error", [OSError("no answer"), SystemExit(3)])

@@ -78,6 +78,16 @@ def test_a_slow_robot_is_led_to_rest_before_it_is_held() -> None:
     assert rig.robot.written[-1].q == pytest.approx(stopping(sent, LIMITS, 9.9).q, abs=1e-9)
 
 
+def test_an_arm_that_has_hardly_begun_is_led_to_rest_before_it_is_held(rig: Supervised) -> None:
+    rig.activate().command(JointMotion.at_rest(START))
+    rig.sent = rig.plan()
+    rig.turn(rig.order(rig.sent), rig.order(rig.sent, run=False), ms=1.0)
+    rig.turns(50)
+    assert rig.supervisor.settled
+    assert rig.robot.written[-1].q == pytest.approx(stopping(rig.sent, LIMITS, 9.9).q, abs=1e-12)
+    assert rig.robot.written[-1].q[0] > START[0]
+
+
 def test_control_may_be_silent_for_exactly_as_long_as_the_time_out(rig: Supervised) -> None:
     rig.activate()
     rig.command(rig.sent)

@@ -41,7 +41,7 @@ class Slow(Kept):
 
     @property
     def capabilities(self):
-        return Capabilities(15.0, None, gripper=False, force=False, watchdog_ms=None, queued_periods=2)
+        return Capabilities(15.0, None, gripper=False, force=False, watchdog_ms=None, queued_periods=2, holds=True)
 
 
 class Rig:

@@ -50,6 +50,7 @@ FAR_PAST = test_hand_over.test_a_stop_written_far_past_the_command_goes_on
 AT_REST, ARM_MOVES = row("late_rest", S.FOLLOWING), row("arm_moves", S.HELD)
 FIRST_FAULT = rig(test_faults.test_the_first_fault_is_kept)
 SLOW_STOP = test_stop.test_a_slow_robot_is_led_to_rest_before_it_is_held
+HARDLY_BEGUN = rig(test_stop.test_an_arm_that_has_hardly_begun_is_led_to_rest_before_it_is_held)
 SLOW_PATH = test_writing.test_a_slow_robot_gets_setpoints_along_the_path_at_its_rate_and_none_beyond_the_goal
 KEPT_AT_REST = test_writing.test_an_arm_kept_at_rest_starts_no_sooner_than_its_jerk_allows
 PAST = test_hand_over.test_a_stop_written_a_little_past_the_command_that_ends_it_is_not_taken_back
@@ -213,7 +214,7 @@ CHECKS: list[tuple[object, str, str, str, Body]] = [
         "if stopped:",
         SLOW_STOP,
     ),
-    (DriverSupervisor, "step", " and self.commanded.motion.resting", "", SLOW_STOP),
+    (DriverSupervisor, "step", " and self.commanded.motion.resting", "", HARDLY_BEGUN),
     (PacedWriter, "hand_over", "self._scheduler.delay(2 * lead_ns)", "pass", rig(PAST, 0.9)),
     (PacedWriter, "step", "self._scheduler.repeat(now_ns)", "pass", rig(KEPT_AT_REST, 0.02)),
     (PacedWriter, "step", "if now_ns < self._due_ns:", "if False:", lambda: SLOW_PATH(15.0)),
