@@ -77,7 +77,7 @@ class RelativeMapping:
         return transform(self._rotation.target(operator_R_hand), self._offset + self._gain @ hand_in_operator)
 
     def read(self, base_T_tool: Array) -> None:
-        """Take the tool's measured pose when a sample comes; a target relative to both origins ignores it."""
+        """Take where the tool was sent when a sample comes; a target relative to both origins ignores it."""
 
     def elbow(self, wrist_in_operator: Vector3 | Array | None, elbow_in_operator: Vector3 | None) -> Array | None:
         """The operator's elbow from the wrist (3,) in m in the base's axes, None while one of them is not seen."""
@@ -93,7 +93,7 @@ class RelativeMapping:
         return settings if scale == settings.scale else replace(settings, scale=scale)
 
     def reference(self, sample: HandArm, hand_R_followed: Array | None) -> MappingReference | None:
-        """What the next targets count from, after that of `sample`; None where they depend on the measured tool too.
+        """What the next targets count from, after that of `sample`; None where they depend on the tool too.
 
         The target followed the orientation that the sample shows times `hand_R_followed` (3 x 3); None where it showed
         none that counted.

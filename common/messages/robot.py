@@ -265,7 +265,7 @@ class RobotState(Message, frozen=True):
     have shown. `age_limit_ms` is the age up to which samples are obeyed, `speed_scale` the fraction of full speed that
     it leaves. `gripper_next` is what the next toggle would command, `open` or `closed`; `settings` are the operator's
     in force, None without a lease. `reference` is what the targets count from: None unless the arm follows, and where
-    each target begins at the measured tool. `hand_link` is None before the holder's samples come; `video_link` is None
+    each target begins at the tool. `hand_link` is None before the holder's samples come; `video_link` is None
     while the link carries all pictures, or nobody watches them. `assist` is None where no targets are configured,
     `recording` where no recorder runs.
     """

@@ -1,12 +1,10 @@
-"""Jerk-limited motion: the leash that limits the target's lead, and the joints that track it; pure."""
+"""Jerk-limited motion of the joints that track a target; pure."""
 
-import math
 from collections.abc import Iterable
 
 import numpy as np
 from ruckig import InputParameter, OutputParameter, Result, Ruckig, RuckigError, Synchronization
 
-from common.geometry import Array, angle_between, rotation_from_vector, transform, vector_from_rotation
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.motion.moving_frame import Axis, AxisLimits, MovingFrame, frame_of, seen_from
@@ -84,17 +82,3 @@ class JerkLimitedTracker:
 
 def _axes(motion: JointMotion) -> Iterable[Axis]:
     return zip(motion.q.tolist(), motion.dq.tolist(), motion.ddq.tolist(), strict=True)
-
-
-def leash(base_T_target: Array, base_T_tool: Array, distance_m: float, angle_rad: float) -> tuple[Array, Reason | None]:
-    """The target drawn towards the tool until it is no further than both limits, and why if it was drawn."""
-    distance = math.dist(base_T_target[:3, 3].tolist(), base_T_tool[:3, 3].tolist())
-    angle = angle_between(base_T_target[:3, :3], base_T_tool[:3, :3])
-    fraction = min(1.0, distance_m / max(distance, distance_m), angle_rad / max(angle, angle_rad))
-    if fraction >= 1.0:
-        return base_T_target, None
-    ahead = base_T_target[:3, 3] - base_T_tool[:3, 3]
-    turn = vector_from_rotation(base_T_tool[:3, :3].T @ base_T_target[:3, :3])
-    rotation = base_T_tool[:3, :3] @ rotation_from_vector(fraction * turn)
-    why = reason(Code.SATURATED, distance_mm=distance * 1e3, limit_mm=fraction * distance * 1e3)
-    return transform(rotation, base_T_tool[:3, 3] + fraction * ahead), why

@@ -21,16 +21,16 @@ class IncrementalMapping(RelativeMapping):
         self._hand = hand_in_operator.copy()
 
     def read(self, base_T_tool: Array) -> None:
-        """Begin the next displacement at the measured tool."""
+        """Begin the next displacement where the tool was sent last: a reading may be wrong."""
         self._offset = base_T_tool[:3, 3] - self._gain @ self._hand
 
     def target(self, hand_in_operator: Array, operator_R_hand: Array | None) -> Array:
-        """The target `base_T_tool` (4 x 4): the measured position plus the hand's motion since the last sample."""
+        """The target `base_T_tool` (4 x 4): where the tool was sent plus the hand's motion since the last sample."""
         self._hand = hand_in_operator.copy()
         return super().target(hand_in_operator, operator_R_hand)
 
     def reference(self, sample: HandArm, hand_R_followed: Array | None) -> None:
-        """None: the next target depends on where the tool is measured when its sample comes."""
+        """None: the next target depends on where the tool is when its sample comes."""
 
 
 def make_mapping(config: MappingConfig) -> RelativeMapping:

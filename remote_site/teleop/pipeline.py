@@ -105,17 +105,17 @@ class TeleopPipeline:
         self, latest: Accepted, settings: OperatorSettings, robot: RobotObservation, now_ns: int
     ) -> ToolSample:
         """The tool's next target: led by the assist while the operator asks for it, else by the hand."""
-        target, stretch, q = self._target, self._age_limit.stretch, robot.q
+        target, stretch, q, q_sent = self._target, self._age_limit.stretch, robot.q, robot.sent.q
         can_grasp = self._gripper.next(robot.gripper) is not GripperCommand.OPEN
         led = self._assist.step(
             latest.position, latest.sample.capture_ns, target.base_T_tool, target.measured(q), now_ns, can_grasp
         )
         released, self._led = self._led and led is None, led is not None
         if led is not None:
-            return target.lead(led, latest, q, now_ns, stretch)
+            return target.lead(led, latest, q_sent, q, now_ns, stretch)
         if released:
             target.rebase(latest, settings)
-        return target.aim(latest, settings, q, now_ns, stretch)
+        return target.aim(latest, settings, q_sent, q, now_ns, stretch)
 
     def _begin(self, latest: Accepted, settings: OperatorSettings, decision: Decision, sent: JointMotion) -> None:
         """Follow from rest: from the origins of before a short hold, or from new ones."""

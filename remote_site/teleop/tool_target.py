@@ -8,7 +8,7 @@ from common.messages.hand import OperatorSettings
 from common.messages.robot import Engagement, MappingReference, Pose
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.jerk_limited import leash
+from remote_site.motion.leash import Leash
 from remote_site.motion.target_tracker import ToolSample
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.clearance import Workspace
@@ -40,7 +40,7 @@ class ToolTarget:
         self._followed: Accepted | None = None
         self._mean_age_ns: float | None = None
         self._settings = OperatorSettings()
-        self._leash = control.leash_m, math.radians(control.leash_deg)
+        self._leash = Leash(control.leash_m, math.radians(control.leash_deg))
         self._workspace = box
         self._model = model
         self.base_T_tool = model.forward(q)
@@ -87,9 +87,18 @@ class ToolTarget:
         return True
 
     def aim(
-        self, sample: Accepted, settings: OperatorSettings, q_measured: Array, now_ns: int, stretch: float = 1.0
+        self,
+        sample: Accepted,
+        settings: OperatorSettings,
+        q_sent: Array,
+        q_measured: Array,
+        now_ns: int,
+        stretch: float = 1.0,
     ) -> ToolSample:
-        """The target for the newest sample, inside the workspace box and within the leash from the measured arm."""
+        """The target for the newest sample, inside the workspace box and within the leash from the arm (n,) rad.
+
+        It counts from what was sent: what is measured can only hold it back.
+        """
         position, elapsed_s = sample.position, self._elapsed_s(sample)
         if settings != self._settings:
             self._offset.clear()
@@ -99,21 +108,27 @@ class ToolTarget:
             sample, elapsed_s / max(settings.rotation_scale, 1.0), self._offset.spare
         )
         self._mapping.steer(settings, position, operator_R_hand, self.base_T_tool)
-        measured = self._model.forward(q_measured)
-        self._mapping.read(measured)
+        sent = self._model.forward(q_sent)
+        self._mapping.read(sent)
         target = self._offset.apply(self._mapping.target(position, operator_R_hand), elapsed_s)
         self.reference = self._mapping.reference(sample.sample, self._orientation.hand_R_followed)
         self._settings = settings
         spare = max(self._offset.spare + self._orientation.spare - 1.0, 0.0)
-        return self._bounded_sample(target, measured, sample, now_ns, stretch, spare)
+        return self._bounded_sample(target, sent, self._model.forward(q_measured), sample, now_ns, stretch, spare)
 
     def lead(
-        self, base_T_led: Array, sample: Accepted, q_measured: Array, now_ns: int, stretch: float = 1.0
+        self,
+        base_T_led: Array,
+        sample: Accepted,
+        q_sent: Array,
+        q_measured: Array,
+        now_ns: int,
+        stretch: float = 1.0,
     ) -> ToolSample:
         """The same for a target (4 x 4) that the hand does not choose; what it counts from is lost until `rebase`."""
         self.reference = None
-        measured = self._model.forward(q_measured)
-        return self._bounded_sample(base_T_led.copy(), measured, sample, now_ns, stretch, LED_SPARE)
+        sent, measured = self._model.forward(q_sent), self._model.forward(q_measured)
+        return self._bounded_sample(base_T_led.copy(), sent, measured, sample, now_ns, stretch, LED_SPARE)
 
     def rebase(self, sample: Accepted, settings: OperatorSettings) -> None:
         """Take both origins anew, the tool's at its present target: the target does not move by it."""
@@ -124,12 +139,19 @@ class ToolTarget:
         self._settings = settings
 
     def _bounded_sample(
-        self, target: Array, measured: Array, sample: Accepted, now_ns: int, stretch: float, spare: float
+        self,
+        target: Array,
+        sent: Array,
+        measured: Array,
+        sample: Accepted,
+        now_ns: int,
+        stretch: float,
+        spare: float,
     ) -> ToolSample:
         """A target (4 x 4), which it may change, brought into the workspace box and within the leash."""
         boxed = self._boxed(target[:3, 3])
         target[:3, 3] = self._workspace.clamp(target[:3, 3])
-        self.base_T_tool, leashed = leash(target, measured, *self._leash)
+        self.base_T_tool, leashed = self._leash.hold(target, self.base_T_tool, sent, measured)
         self._followed = sample
         elbow = self._mapping.elbow(sample.sample.wrist, sample.elbow)
         t_ns = self._holds_at_ns(sample, now_ns)

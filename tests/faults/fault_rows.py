@@ -110,6 +110,7 @@ ROWS = (
     Row("robot reports a fault", "code mirrored, " + FAULTS, faulty(robot(fault="robot"), robot(fault=""), says="robot (E42)"), quick=True),
     Row("robot's fault is explained by 2000 characters", "cut, and " + FAULTS, faulty(robot(fault="robot", sentence=ENDLESS), robot(fault="", sentence="-"), says="…")),
     Row("robot reads NaN", "not_finite, " + FAULTS, faulty(robot(misreads="nan"), robot(misreads=""), says="not_finite")),
+    Row("robot reads a joint off by 1 rad for 8 ms", "implausible at once, " + FAULTS, faulty(robot(misreads="jumped"), robot(misreads=""), says="implausible")),
     Row("robot's reading freezes", "silent after 100 ms, " + FAULTS, faulty(robot(misreads="frozen"), robot(misreads=""), says="silent", within_s=0.15)),
     Row("arm does not follow", "not_following within 1 s, names the joint, " + FAULTS, astray),
     Row("hardware e-stop reported", "no commands, LATCH, needs reset and engage", faulty(robot(fault="emergency_stop"), robot(fault=""), says="emergency_stop", silent=True)),

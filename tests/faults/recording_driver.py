@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from bench.network.command_socket import CommandSocket
+from common.clock import NS_PER_MS
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading
@@ -17,6 +18,7 @@ from remote_site.drivers.registry import DriverHost
 
 WRITE, READ, ACTIVATE, STOP = range(4)
 JOINTS = 6
+JUMP_RAD, JUMP_NS = 1.0, 8 * NS_PER_MS
 RECORD = np.dtype(
     [("kind", "<i4"), ("activation", "<i4"), ("t_ns", "<i8"), ("planned_ns", "<i8"), ("motion", "<f8", (3, JOINTS))]
 )
@@ -26,9 +28,9 @@ class RecordingDriver:
     """A `Driver` around a kinematic one; the record outlives a killed process.
 
     Commanded `raises`, it fails in every write; `blocks_ms` delays one. It reports a `fault`, explained by `sentence`,
-    with which its robot stops by itself, until the command is an empty one. `misreads` joint 1 as "nan", or all joints
-    as they are now: "held" with new stamps, "frozen" with the same. `stands_at` is its posture before the first
-    activation.
+    with which its robot stops by itself, until the command is an empty one. `misreads` joint 1 as "nan", or "jumped" by
+    1 rad for 8 ms, or all joints as they are now: "held" with new stamps, "frozen" with the same. `stands_at` is its
+    posture before the first activation.
     """
 
     def __init__(self, host: DriverHost) -> None:
@@ -99,6 +101,9 @@ class RecordingDriver:
         self._kept = reading if self._kept is None or not self._misreads else self._kept
         if self._misreads == "nan":
             return replace(reading, q=np.array([np.nan, *reading.q[1:]]))
+        if self._misreads == "jumped":
+            off = JUMP_RAD if reading.t_ns - self._kept.t_ns < JUMP_NS else 0.0
+            return replace(reading, q=reading.q + off * np.eye(JOINTS)[0])
         if self._misreads == "held":
             return replace(reading, q=self._kept.q, dq=self._kept.dq)
         return replace(self._kept, fault=reading.fault)

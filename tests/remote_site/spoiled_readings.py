@@ -1,10 +1,12 @@
 """Readings that must not be used, by what is wrong with them, and the code of the fault that each is to become."""
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.driver import GripperReading, RobotReading
 from remote_site.drivers.faults import FaultCode
 from tests.remote_site.driven_loop import Spoil
@@ -36,6 +38,19 @@ def later(ms: float) -> Spoil:
     return lambda reading: replace(reading, t_ns=reading.t_ns + round(ms * NS_PER_MS))
 
 
+def drifting(rad: float, k: int = 0, rad_s: float = 1.5) -> Callable[[RobotReading], RobotReading]:
+    """Joint `k` is read off by more and more, no faster than a joint moves, up to this."""
+    begun_ns: list[int] = []
+
+    def spoil(reading: RobotReading) -> RobotReading:
+        begun_ns.append(reading.t_ns)
+        q = reading.q.copy()
+        q[k] += math.copysign(min(rad_s * (reading.t_ns - begun_ns[0]) / NS_PER_S, abs(rad)), rad)
+        return replace(reading, q=q)
+
+    return spoil
+
+
 NAN, INF = float("nan"), float("inf")
 F = FaultCode
 SPOILED: dict[str, tuple[Spoil, FaultCode]] = {
@@ -45,6 +60,7 @@ SPOILED: dict[str, tuple[Spoil, FaultCode]] = {
     "the opening is NaN": (gripper(NAN), F.NOT_FINITE),
     "the force is NaN": (gripper(0.05, NAN), F.NOT_FINITE),
     "a joint is far outside its range": (joint(7.0), F.IMPLAUSIBLE),
+    "a joint has jumped within its range": (joint(0.3), F.IMPLAUSIBLE),
     "a speed is that of no arm": (joint(-400.0, "dq"), F.IMPLAUSIBLE),
     "the opening is that of no gripper": (gripper(50.8), F.IMPLAUSIBLE),
     "the opening is far below zero": (gripper(-0.5), F.IMPLAUSIBLE),

@@ -1,4 +1,4 @@
-"""Whether what a driver has read can be true: its types, numbers and ranges, and a stamp that advances; pure."""
+"""Whether what a driver has read can be true: types, numbers, ranges, motion, and a stamp that advances; pure."""
 
 import math
 from typing import TypeGuard
@@ -9,6 +9,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, RobotReading
 from remote_site.drivers.faults import FaultCode, RobotFault
+from remote_site.drivers.supervisor.plausible_motion import PlausibleMotion
 from remote_site.safety.silence import Silence
 
 OLDEST_NS = 100 * NS_PER_MS
@@ -27,7 +28,7 @@ class ReadingCheck:
     """Judges every reading before anything else uses it.
 
     `oldest_ns` is how old a reading may become by its own stamp: an unchanged stamp is no new reading. A pause of this
-    process itself does not count.
+    process itself does not count. What is refused is not remembered: the next reading is judged by the ones before it.
     """
 
     def __init__(self, capabilities: Capabilities, setup: DriverSetup) -> None:
@@ -37,8 +38,14 @@ class ReadingCheck:
         self._names = setup.joint_names
         self._positions = list(zip(lower.tolist(), upper.tolist(), strict=True))
         self._speeds = [(-speed, speed) for speed in fastest.tolist()]
+        self._motion = PlausibleMotion(own.velocity, 1.0 / capabilities.rate_hz)
         self._silence = Silence(PAUSE_NS)
         self._newest_ns = 0
+        self._judged_ns: int | None = None
+
+    def restart(self) -> None:
+        """The robot is activated: where it is read then is compared with where it was activated, not with before."""
+        self._motion.restart()
 
     def judge(self, reading: object, now_ns: int) -> RobotReading | RobotFault:
         """The reading with arrays of its own, or the fault: of the robot where it reports one, else of the reading.
@@ -49,10 +56,14 @@ class ReadingCheck:
         if not isinstance(reading, RobotReading) or wrong:
             return RobotFault(FaultCode.DRIVER, f"the driver's read returned {wrong}; correct the driver")
         t_ns = int(reading.t_ns)
-        fault = self._impossible(reading) or self._mistimed(t_ns, now_ns)
+        unseen_ns = now_ns - (self._judged_ns or now_ns)
+        self._judged_ns = now_ns
+        mistimed = self._mistimed(t_ns, now_ns)  # in every turn, whatever else is wrong
+        fault = self._impossible(reading) or mistimed or self._jumped(reading.q, t_ns, unseen_ns)
         if fault is not None:
             return reading.fault if reading.fault is not None and not reading.fault.calm else fault
         self._newest_ns = t_ns
+        self._motion.note(reading.q, t_ns, unseen_ns)
         grip = reading.gripper
         if grip is not None:
             grip = GripperReading(float(grip.opening_m), None if grip.force_n is None else float(grip.force_n))
@@ -74,6 +85,16 @@ class ReadingCheck:
         if grip is not None and grip.force_n is not None and not -FORCE_N <= grip.force_n <= FORCE_N:
             return _fault("the grip force is", grip.force_n, (-FORCE_N, FORCE_N), "N")
         return None
+
+    def _jumped(self, q: Array, t_ns: int, unseen_ns: int) -> RobotFault | None:
+        """The fault of a joint that is farther from its readings before than it can have moved since."""
+        least, most = self._motion.bounds(t_ns, unseen_ns)
+        beyond = np.maximum(least - q, q - most)
+        k = int(beyond.argmax())
+        if beyond[k] <= 0.0:
+            return None
+        since = f"{_ms(t_ns - self._newest_ns)} after the last one"
+        return _fault(f"{self._names[k]}, {since}, is", float(q[k]), (float(least[k]), float(most[k])), "rad")
 
     def _mistimed(self, t_ns: int, now_ns: int) -> RobotFault | None:
         age_ns = self._silence.of(min(max(t_ns, 0), now_ns), now_ns)

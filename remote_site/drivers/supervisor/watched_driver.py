@@ -34,6 +34,7 @@ class WatchedDriver:
 
     def activate(self, q0: Array) -> RobotFault | None:
         """Ask the robot to take commands from rest at `q0`."""
+        self._readings.restart()
         return self._call("activate", lambda: self._driver.activate(q0))
 
     def read(self) -> RobotReading | RobotFault:

@@ -83,7 +83,7 @@ class Remote:
             self.engaged = True
             self.tool.capture(accepted, in_force, START, 1)
         else:
-            self.tool.aim(accepted, in_force, START, hand.capture_ns)
+            self.tool.aim(accepted, in_force, START, START, hand.capture_ns)
         return self.tool.base_T_tool
 
     def state(self, t_ns: int, **changes: Any) -> RobotState:

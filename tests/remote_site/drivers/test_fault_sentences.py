@@ -1,7 +1,5 @@
 """Whatever a driver says of a fault: it is short in memory, log and messages, and what is missing is marked."""
 
-from dataclasses import replace
-
 import pytest
 from structlog.testing import capture_logs
 
@@ -17,6 +15,7 @@ from remote_site.drivers.supervisor.reading_check import stale
 from remote_site.reasons import Code, reason
 from remote_site.runtime.driver_process import DriverLoop
 from tests.remote_site.drivers.supervisor.supervised import LIMITS, Supervised
+from tests.remote_site.spoiled_readings import drifting
 
 LONGEST = RobotFault(max(FaultCode, key=len), 10_000 * "z", 10_000 * "7")
 
@@ -82,7 +81,7 @@ def test_the_cure_is_said_once(fault: RobotFault) -> None:
 
 def test_an_arm_that_does_not_follow_is_said_once_and_its_cure_once() -> None:
     rig = Supervised().moving()
-    rig.robot.spoil = lambda reading: replace(reading, q=reading.q + 0.5)
+    rig.robot.spoil = drifting(0.5)
     rig.commands(100)
     why = reason(Code.FAULT, cause=rig.fault()).sentence
     assert why.startswith("not_following: joint")

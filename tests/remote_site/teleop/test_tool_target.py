@@ -1,4 +1,4 @@
-"""The tool's target: from both origins, inside the box, then on the leash of the measured arm."""
+"""The tool's target: from both origins, inside the box, then on the leash of the arm as sent and as measured."""
 
 import dataclasses
 
@@ -49,7 +49,7 @@ def test_capture_takes_the_tools_pose_and_names_the_engagement():
 
 def test_the_target_moves_as_the_hand_has_since_the_capture():
     target = captured()
-    aimed = target.aim(sample((0.05, -0.03, 0.02)), AS_GRANTED, START, NOW)
+    aimed = target.aim(sample((0.05, -0.03, 0.02)), AS_GRANTED, START, START, NOW)
     assert aimed.base_T_target[:3, 3] - TOOL[:3, 3] == pytest.approx([0.05, -0.03, 0.02])
     assert aimed.base_T_target[:3, :3] == pytest.approx(TOOL[:3, :3])
     assert aimed.base_T_target is target.base_T_tool
@@ -59,15 +59,15 @@ def test_the_target_moves_as_the_hand_has_since_the_capture():
 def test_motion_before_the_capture_is_discarded():
     target = captured()
     moved = sample((0.05, -0.03, 0.02))
-    target.aim(moved, AS_GRANTED, START, NOW)
+    target.aim(moved, AS_GRANTED, START, START, NOW)
     target.capture(moved, AS_GRANTED, START, 4)
-    assert target.aim(moved, AS_GRANTED, START, NOW).base_T_target == pytest.approx(TOOL)
+    assert target.aim(moved, AS_GRANTED, START, START, NOW).base_T_target == pytest.approx(TOOL)
 
 
 def test_the_leash_holds_the_target_near_the_measured_arm_wherever_it_was_captured():
     target = captured(leash_m=0.1)
     measured = MODEL.forward(TURNED)[:3, 3]
-    aimed = target.aim(sample((0.0, -0.2, 0.0)), AS_GRANTED, TURNED, NOW)
+    aimed = target.aim(sample((0.0, -0.2, 0.0)), AS_GRANTED, TURNED, TURNED, NOW)
     assert aimed.leashed.code is Code.SATURATED
     assert np.linalg.norm(aimed.base_T_target[:3, 3] - measured) == pytest.approx(0.1)
 
@@ -75,7 +75,7 @@ def test_the_leash_holds_the_target_near_the_measured_arm_wherever_it_was_captur
 def test_the_box_comes_before_the_leash():
     above = workspace().upper[2] - TOOL[2, 3]
     target = captured(leash_m=above + 0.01)
-    aimed = target.aim(sample((0.0, 0.0, above + 0.5)), AS_GRANTED, START, NOW)
+    aimed = target.aim(sample((0.0, 0.0, above + 0.5)), AS_GRANTED, START, START, NOW)
     assert aimed.leashed is None
     assert aimed.base_T_target[:3, 3] == pytest.approx([*TOOL[:2, 3], workspace().upper[2]])
 
@@ -83,34 +83,44 @@ def test_the_box_comes_before_the_leash():
 def test_a_target_that_the_box_holds_is_told_with_how_far_the_hand_is_beyond_it():
     above = workspace().upper[2] - TOOL[2, 3]
     target = captured(leash_m=1.0)
-    boxed = target.aim(sample((0.0, 0.0, above + 0.05)), AS_GRANTED, START, NOW).boxed
+    boxed = target.aim(sample((0.0, 0.0, above + 0.05)), AS_GRANTED, START, START, NOW).boxed
     assert boxed.code is Code.OUTSIDE_BOX
     assert "50 mm" in boxed.sentence
-    assert target.aim(sample((0.0, 0.0, above + 0.001)), AS_GRANTED, START, NOW).boxed is None
-    assert target.aim(sample((0.0, 0.0, above - 0.1)), AS_GRANTED, START, NOW).boxed is None
+    assert target.aim(sample((0.0, 0.0, above + 0.001)), AS_GRANTED, START, START, NOW).boxed is None
+    assert target.aim(sample((0.0, 0.0, above - 0.1)), AS_GRANTED, START, START, NOW).boxed is None
 
 
 def test_a_clutch_goes_on_from_the_leashed_target():
     target, far, further = captured(leash_m=0.1), (0.0, 0.3, 0.0), (0.0, 0.3, -0.05)
-    leashed = target.aim(sample(far), AS_GRANTED, START, NOW).base_T_target
-    assert target.aim(sample(far), CLUTCHED, START, NOW).base_T_target == pytest.approx(leashed)
-    moved = target.aim(sample(further), CLUTCHED, TURNED, NOW).base_T_target
+    leashed = target.aim(sample(far), AS_GRANTED, START, START, NOW).base_T_target
+    assert target.aim(sample(far), CLUTCHED, START, START, NOW).base_T_target == pytest.approx(leashed)
+    moved = target.aim(sample(further), CLUTCHED, TURNED, TURNED, NOW).base_T_target
     assert moved[:3, 3] == pytest.approx(leashed[:3, 3] + [0.0, 0.0, -0.05])
 
 
-def test_the_incremental_command_counts_from_the_measured_tool():
+def test_the_incremental_command_counts_from_the_tool_as_sent_whatever_is_read():
     target = ToolTarget(MappingConfig(command="incremental"), ControlConfig(), workspace(), MODEL, START)
     target.capture(sample(), AS_GRANTED, START, 1)
-    aimed = target.aim(sample((0.02, 0.0, 0.0)), AS_GRANTED, TURNED, NOW)
-    assert aimed.base_T_target[:3, 3] == pytest.approx(MODEL.forward(TURNED)[:3, 3] + [0.02, 0.0, 0.0])
+    for q_measured in (TURNED, START, START + 0.3 * np.eye(6)[2]):
+        aimed = target.aim(sample((0.02, 0.0, 0.0)), AS_GRANTED, TURNED, q_measured, NOW)
+        target.capture(sample(), AS_GRANTED, TURNED, 1)
+        assert aimed.base_T_target[:3, 3] == pytest.approx(MODEL.forward(TURNED)[:3, 3] + [0.02, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("joint", range(6))
+@pytest.mark.parametrize("off_rad", [-1.0, 0.5, 1.0])
+def test_a_wrong_reading_moves_neither_a_target_nor_one_that_is_led(joint, off_rad):
+    target, wrong = captured(), START + off_rad * np.eye(6)[joint]
+    assert target.aim(sample(), AS_GRANTED, START, wrong, NOW).base_T_target == pytest.approx(TOOL)
+    assert target.lead(TOOL, sample(), START, wrong, NOW).base_T_target == pytest.approx(TOOL)
 
 
 def test_the_elbow_is_seen_from_the_wrist_in_the_bases_axes():
-    aimed = captured().aim(sample(), AS_GRANTED, START, NOW)
+    aimed = captured().aim(sample(), AS_GRANTED, START, START, NOW)
     in_operator = np.array(sample().sample.elbow) - np.array(sample().sample.wrist)
     assert aimed.elbow == pytest.approx(np.array(MappingConfig().base_R_operator) @ in_operator)
     unsure = dataclasses.replace(sample(), elbow=None)
-    assert captured().aim(unsure, AS_GRANTED, START, NOW).elbow is None
+    assert captured().aim(unsure, AS_GRANTED, START, START, NOW).elbow is None
 
 
 @pytest.mark.parametrize(("way_m", "resumes"), [(0.03, True), (0.035, True), (0.045, False)])

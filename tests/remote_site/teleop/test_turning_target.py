@@ -37,7 +37,7 @@ def captured(settings=None, degrees=0.0):
 
 
 def aimed(target, sample, settings=None):
-    return target.aim(sample, settings or OperatorSettings(), START, NOW)
+    return target.aim(sample, settings or OperatorSettings(), START, START, NOW)
 
 
 def deg(target):

@@ -11,6 +11,7 @@ from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.supervisor.following_check import MARGIN_NS, PATIENCE_NS, TOLERANCE_RAD, FollowingCheck
 from remote_site.drivers.supervisor.state import SupervisorState
 from tests.remote_site.drivers.supervisor.supervised import START, Supervised
+from tests.remote_site.spoiled_readings import drifting
 
 
 class Lagging:
@@ -67,9 +68,10 @@ def test_an_arm_that_follows_later_than_it_declares_is_stopped_and_named(lag_ms:
 
 def test_a_robot_that_reports_what_blocks_it_keeps_its_own_fault() -> None:
     rig = Supervised().moving()
-    q = rig.robot.read().q
-    rig.robot.spoil = lambda reading: replace(reading, q=q - 0.3)
-    rig.commands(20)
+    rig.robot.spoil = drifting(-0.5)
+    rig.commands(40)
+    assert rig.supervisor.reading is not None
+    assert rig.supervisor._following.excess(rig.supervisor.reading.q).max() > TOLERANCE_RAD
     assert rig.supervisor.fault is None
     rig.robot.trouble = blocked = RobotFault(FaultCode.BLOCKED, "a joint is blocked")
     rig.commands(20)
