@@ -191,7 +191,7 @@ class CellPair:
 
     def follow_from_here(self) -> tuple[float, ...]:
         """Have the arm follow from where it is; the hand's pose then."""
-        self.ask(EngagementAction.DISENGAGE)
+        self.ask(EngagementAction.RESET)
         self.wait("rest", lambda: self.states[-1].q_commanded == self.states[-10].q_commanded, 5)
         pose = self.pose_of_arm()
         self.hand(lost=False, camera="", to=pose, seconds=0.3)
