@@ -18,7 +18,7 @@ from farhand.commands.export import export_app
 from farhand.commands.files import certificates_app, config_app, models_app
 from farhand.commands.record import episode_app, record_app
 from farhand.commands.replay import replay
-from farhand.commands.requests import disengage, engage, lease_app, maintenance_app, stop_arm
+from farhand.commands.requests import disengage, engage, lease_app, maintenance_app, reset_arm, stop_arm
 from farhand.commands.setting_up import setup
 from farhand.commands.simulations import experiment, loopback
 from farhand.commands.sites import console, local, remote, router
@@ -62,6 +62,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "status": status,
     "engage": engage,
     "disengage": disengage,
+    "reset": reset_arm,
     "stop": stop_arm,
     "replay": replay,
     "track": track,

@@ -112,14 +112,13 @@ class Code(StrEnum):
     RELEASED = "released", "disengaged on request"
     STOPPED = "stopped", "stopped by {operator}; reset it, then engage"
     RESET = "reset", "reset; engage to continue"
-    ACTIVATED = "activated", "the robot had to be activated ({fault}); engage once more"
     NOT_HELD = "not_held", "the {input} is not held down"
     LET_GO_FIRST = (
         "let_go_first",
         "let go of the {input} first, then press it: an engagement that has ended never resumes by itself",
     )
     LET_GO = "let_go", "disengaged: the {input} was let go"
-    ROBOT_NOT_READY = "robot_not_ready", "the robot is not ready: {reason}"
+    ROBOT_NOT_READY = "robot_not_ready", "the robot is not ready: {reason}; reset it, then engage"
     UNSTEADY = (
         "unsteady",
         "the hand samples came late several times: the arm has waited for {held_ms:.0f} of {least_ms:.0f} ms",

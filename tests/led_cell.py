@@ -9,7 +9,7 @@ from common.messages.robot import GripperCommand, LeaseState, Pose, RobotState, 
 from farhand.experiments.stepped.robots import SteppedCell
 from farhand.experiments.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, Every, SteppedSite
 from local_site.programmed.path_progress import PathProgress
-from local_site.programmed.path_run import PathRun
+from local_site.programmed.path_runs import PathProgram, PathRuns
 from local_site.samples.hand_sample import HandSampler, OpenHand
 from remote_site.config import RemoteConfig
 from remote_site.session.config import EngagementMode
@@ -21,7 +21,10 @@ CONFIG = RemoteConfig().engaging(EngagementMode.HOLD_TO_RUN)
 
 
 class LedCell:
-    """The cell, the run on a path, the key that a person holds or not, and the link, which may be cut."""
+    """The cell, the runs on a path, the key that a person holds or not, and the link, which may be cut.
+
+    The remote site's clock begins anew with each of its sessions, `remote` by number.
+    """
 
     def __init__(
         self,
@@ -33,21 +36,33 @@ class LedCell:
     ) -> None:
         self.site = SteppedSite(config, SteppedCell(config))
         self.progress = progress
-        mapping = self.site.description.mapping
-        self.run = PathRun(progress, mapping, SESSION, gripper_at_start, goes_on=goes_on)
+        program = PathProgram(
+            "taught", "a path", progress, gripper_at_start, goes_on, check=lambda _: None, orders=tuple
+        )
+        self.runs = PathRuns(program, SESSION, lambda: self.site.description)
         self.key_held, self.is_cut, self.reason = False, False, ""
         self._sampler, self._due = HandSampler(SESSION), Every(PERIOD_NS, self.site.now_ns)
         self._under_way: list[tuple[int, HandArm]] = []
+        self.remote, self._ended_ns = 1, 0
+
+    def restart(self, config: RemoteConfig) -> None:
+        """Start the remote site again, around the same arm, which its driver has stopped meanwhile."""
+        self.site.clock.sleep_until_ns(self.site.now_ns + NS_PER_S)
+        self._ended_ns += self.site.now_ns
+        self.site = SteppedSite(config, self.site.robot)
+        self._due, self._under_way = Every(PERIOD_NS, self.site.now_ns), []
+        self.remote += 1
 
     def step(self) -> None:
         """One control period."""
         now_ns = self.site.now_ns
         if self._due.due(now_ns):
-            hand = self.run.hand(now_ns, self.state())
+            local_ns = self._ended_ns + now_ns
+            hand = self.runs.hand(local_ns, self.state())
             self.reason = hand.reason
-            clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=now_ns)
-            intent, toggles = Intent(hold=self.key_held), OpenHand(toggles=self.run.toggles)
-            sample = self._sampler.sample(hand, toggles, LEASE, clock, intent, now_ns)
+            clock = ClockSync(remote_minus_local_ns=-self._ended_ns, uncertainty_ns=0, measured_ns=now_ns)
+            intent, toggles = Intent(hold=self.key_held), OpenHand(toggles=self.runs.toggles)
+            sample = self._sampler.sample(hand, toggles, LEASE, clock, intent, local_ns)
             if not self.is_cut:
                 self._under_way.append((now_ns + LINK_NS, sample))
         arrived = [NamedSample(OPERATOR, sample) for at_ns, sample in self._under_way if at_ns <= now_ns]
@@ -74,7 +89,7 @@ class LedCell:
 
     def state(self) -> RobotState:
         """The robot's state as the site publishes it."""
-        return robot_state(self.site)
+        return robot_state(self.site, self.remote)
 
 
 def base_T_tool(site: SteppedSite[SteppedCell]) -> Array:
@@ -82,11 +97,12 @@ def base_T_tool(site: SteppedSite[SteppedCell]) -> Array:
     return site.model.forward(site.robot.q)
 
 
-def robot_state(site: SteppedSite[SteppedCell]) -> RobotState:
+def robot_state(site: SteppedSite[SteppedCell], session: int = STATE.session) -> RobotState:
     """The robot's state as the site publishes it, as far as a run or its recording depends on it."""
     snapshot, follows = site.snapshot, site.snapshot.state is SessionState.ENGAGED
     return replace(
         STATE,
+        session=session,
         t_ns=site.now_ns,
         state=snapshot.state,
         reason=snapshot.reason.sentence,
@@ -98,5 +114,6 @@ def robot_state(site: SteppedSite[SteppedCell]) -> RobotState:
         lease=LeaseState(LEASE, OPERATOR, SESSION, FOR_EVER_NS, None),
         target=Pose.from_transform(snapshot.target) if follows else None,
         settings=snapshot.settings,
+        readiness=replace(STATE.readiness, held=snapshot.held),
         reference=snapshot.reference if follows else None,
     )

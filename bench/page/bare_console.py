@@ -48,18 +48,22 @@ class OneClock:
 class Agreeable:
     """Answers every request with yes, unless `silent`; keeps joints `marked`, those `consented` to, acts `recorded`.
 
+    `asked` are the requests about the engagement.
+
     `refused` counts requests that were not answered with yes.
     """
 
     def __init__(self) -> None:
         self.silent = False
         self.refused = 0
+        self.asked: list[EngagementAction] = []
         self.marked: list[tuple[PicturePoint, ...]] = []
         self.consented: list[Asker | None] = []
         self.recorded: list[tuple[RecordAction, EpisodeOutcome]] = []
 
     def engagement(self, action: EngagementAction) -> Reply:
         """As asked."""
+        self.asked.append(action)
         if self.silent:
             self.refused += 1
             return Reply(id=1, done=False, code="silent", reason="nobody answers: is the site running?")

@@ -10,7 +10,7 @@ from common.link.channels import ANY, Procedure
 from common.link.remote_clock import RemoteClock
 from common.link.transport import REQUEST_TIMEOUT_S, Link
 from common.messages.base import Message
-from common.messages.requests import ACTIVATED, SILENT, Reply, Request, StopRequest
+from common.messages.requests import SILENT, Reply, Request, StopRequest
 
 Question = TypeVar("Question", bound=Message)
 Requested = TypeVar("Requested", bound=Request)
@@ -19,7 +19,6 @@ Replied = TypeVar("Replied", bound=Reply)
 
 PATIENCE_NS = 3 * NS_PER_S
 ATTEMPT_NS = 300 * NS_PER_MS
-SETTLE_NS = 300 * NS_PER_MS  # of a robot that has just been activated
 ID_BITS = 62
 
 
@@ -33,16 +32,11 @@ class RequestSchedule:
     """When a request is sent, sent again and given up; pure.
 
     It is sent at `due_ns`, every ATTEMPT_NS under the same `id`, and given up at `give_up_ns`, `patience_ns` after its
-    start. When the reply is that the robot was activated, it is made once more, as a new request, SETTLE_NS later.
+    start.
     """
 
-    def __init__(self, draw_id: Callable[[], int], patience_ns: int, now_ns: int) -> None:
-        self._draw_id, self._patience_ns = draw_id, patience_ns
-        self._activated = False
-        self._begin(now_ns)
-
-    def _begin(self, now_ns: int) -> None:
-        self.id, self.due_ns, self.give_up_ns = self._draw_id(), now_ns, now_ns + self._patience_ns
+    def __init__(self, number: int, patience_ns: int, now_ns: int) -> None:
+        self.id, self.due_ns, self.give_up_ns = number, now_ns, now_ns + patience_ns
 
     def is_over(self, now_ns: int) -> bool:
         """Whether the deadline has passed."""
@@ -51,14 +45,6 @@ class RequestSchedule:
     def sent(self, now_ns: int) -> None:
         """The request is being sent."""
         self.due_ns = min(now_ns + ATTEMPT_NS, self.give_up_ns)
-
-    def accepts(self, reply: Reply, now_ns: int) -> bool:
-        """Whether this reply is the answer; otherwise a new request begins."""
-        if reply.code != ACTIVATED or self._activated:
-            return True
-        self._activated = True
-        self._begin(now_ns + SETTLE_NS)
-        return False
 
 
 def answered(ask: Callable[[], Reply]) -> Reply:
@@ -111,7 +97,7 @@ class RequestClient:
     ) -> Replied:
         """Ask what `make` gives, None for nothing yet, until it is answered or the time is up."""
         clock = self._clock
-        schedule = RequestSchedule(lambda: secrets.randbits(ID_BITS), self._patience_ns, clock.now_ns())
+        schedule = RequestSchedule(secrets.randbits(ID_BITS), self._patience_ns, clock.now_ns())
         while True:
             clock.sleep_until_ns(schedule.due_ns)
             now_ns = clock.now_ns()
@@ -123,7 +109,7 @@ class RequestClient:
                 continue
             timeout_s = min(REQUEST_TIMEOUT_S, (schedule.give_up_ns - now_ns) / NS_PER_S)
             reply = self._link.ask(procedure, self._cell, request, operator=self._operator, timeout_s=timeout_s)
-            if reply is not None and schedule.accepts(reply, clock.now_ns()):
+            if reply is not None:
                 return reply
 
     @property

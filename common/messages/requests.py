@@ -11,7 +11,6 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.robot import Asker, Pose
 from common.messages.shapes import ShapesDescription
 
-ACTIVATED = "activated"  # the code when an engagement first had to activate the robot: ask once more
 WAITING = "waiting"  # the code where the local site keeps asking for the lease that another holds
 SILENT = "silent"  # the code where a site that was asked does not answer
 NO_RECORDER = "no_recorder"  # the code of a site beside which no recorder runs

@@ -1,4 +1,4 @@
-"""Asks the remote site to let the arm follow the hand or to end that, to stop it, and, for maintenance, to reset it."""
+"""Asks the remote site to let the arm follow the hand or to end that, to stop it, and to reset it."""
 
 import time
 from datetime import UTC, datetime
@@ -14,8 +14,8 @@ from common.messages.requests import EngagementAction, Reply
 from farhand.authority.asking import link_to
 from local_site.authority.config import host_operator
 
-RESET_FIRST = ("stopped", "fault")
-TO_RESET = " (farhand maintenance reset, or Reset on the page)"
+RESET_FIRST = ("stopped", "fault", "robot_not_ready")
+TO_RESET = " (farhand reset, or Reset on the page)"
 
 
 def request_engage(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
@@ -32,6 +32,14 @@ def request_disengage(cell: str, endpoint: str, operator: str = "", security: Li
     reply = _ask_as_operator(cell, endpoint, operator, EngagementAction.DISENGAGE, security)
     if not reply.done:
         raise TransportError(f"not disengaged ({reply.code}): {reply.reason}")
+    return reply.reason
+
+
+def request_reset(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
+    """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
+    reply = _ask_as_operator(cell, endpoint, operator, EngagementAction.RESET, security)
+    if not reply.done:
+        raise TransportError(f"not reset ({reply.code}): {reply.reason}")
     return reply.reason
 
 

@@ -1,4 +1,4 @@
-"""The requests to running sites: `farhand engage`, `disengage`, `stop`, and those under `lease` and `maintenance`."""
+"""Requests to running sites: `farhand engage`, `disengage`, `reset`, `stop`, those of `lease` and `maintenance`."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -28,7 +28,7 @@ def engage(
     operator: OperatorName = "",
     config: LinksFile = None,
 ) -> None:
-    """Let the arm follow the hand again, after a stop or a restart of the local site.
+    """Let the arm follow the hand; after a stop or a fault 'farhand reset' comes first.
 
     Example: farhand engage --cell cell
     """
@@ -49,6 +49,19 @@ def disengage(
 
     links = console_config(config, cell=cell, control=at)
     say(request_disengage(links.cell, links.links.control, operator or links.name, links.links))
+
+
+def reset_arm(
+    cell: CellName = "", at: RemoteEndpoint = "", operator: OperatorName = "", config: LinksFile = None
+) -> None:
+    """Clear a stop or a fault, as the lease's holder, and wake a robot that has stopped; nothing moves until 'engage'.
+
+    Example: farhand reset --cell cell
+    """
+    from farhand.authority.engage import request_reset
+
+    links = console_config(config, cell=cell, control=at)
+    say(request_reset(links.cell, links.links.control, operator or links.name, links.links))
 
 
 def stop_arm(

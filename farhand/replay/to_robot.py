@@ -9,7 +9,8 @@ from farhand.replay.recorded_tool_path import check_cell, recorded_path
 from farhand.terminal import say
 from local_site.config import LocalConfig
 from local_site.programmed.path_progress import PathProgress
-from local_site.runtime.path_site import PathProgram, run_path
+from local_site.programmed.path_runs import PathProgram
+from local_site.runtime.path_site import run_path
 
 
 def replay_to_robot(

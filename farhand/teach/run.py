@@ -17,7 +17,8 @@ from farhand.teach.task_file import GRIPPER, TaskFile, TaughtFrame, load_task
 from farhand.terminal import say
 from local_site.config import LocalConfig
 from local_site.programmed.path_progress import PathProgress
-from local_site.runtime.path_site import PathProgram, run_path
+from local_site.programmed.path_runs import PathProgram
+from local_site.runtime.path_site import run_path
 
 NEAR_M = 1e-3  # a recorded path may touch the workspace's side
 

@@ -23,9 +23,10 @@ ENDED = "the run has ended, since the arm held: let the key go, and hold it agai
 class PathRun:
     """Turns a path into what a tracker would measure of the hand that leads the tool along it.
 
-    A run begins with each engagement of this `session`, with an approach from where the arm stands. While the arm holds
-    it stands; with new origins after a hold it `goes_on` by a new approach, or else has ended. The end of an engagement
-    ends it in any case. `gripper_at_start` is how the gripper has to be before, None where that does not matter.
+    A run begins with each engagement of this `session` for which the operator holds the key, with an approach from
+    where the arm stands. While the arm holds it stands; with new origins after a hold it `goes_on` by a new approach,
+    or else has ended. The end of the engagement, or of the key's being held, ends it in any case. `gripper_at_start` is
+    how the gripper has to be before, None where that does not matter.
     """
 
     def __init__(
@@ -68,7 +69,7 @@ class PathRun:
     def _lead(self, now_ns: int, elapsed_s: float, state: RobotState) -> str:
         """Move the hand, if the arm follows it; what the run does, in words."""
         engagement, reference, target = state.engagement, state.reference, state.target
-        is_ours = state.lease is not None and state.lease.session == self._session
+        is_ours = state.lease is not None and state.lease.session == self._session and state.readiness.held
         if engagement is None or not is_ours or state.state in (SessionState.DISENGAGED, SessionState.FAULT):
             self._engagement = 0
             return WAITS

@@ -1,8 +1,9 @@
 """A local site without cameras: the hand that it publishes leads the tool along a given path, under a lease as ever."""
 
 import secrets
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import structlog
 
@@ -15,7 +16,6 @@ from common.link.endpoints import check_free
 from common.link.transport import Link, open_link
 from common.messages.base import SESSION_BITS
 from common.messages.requests import DescribeQuestion, Description
-from common.messages.robot import GripperCommand
 from common.process.log import LogFormat, start_log
 from common.process.service import StopFlag
 from local_site.authority.lease_client import Authority
@@ -24,30 +24,12 @@ from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
 from local_site.preview.no_camera import NoCamera
 from local_site.programmed.announcements import Announcements
-from local_site.programmed.path_progress import PathProgress, RunOrder
-from local_site.programmed.path_run import PathRun
+from local_site.programmed.path_runs import PathProgram, PathRuns
 from local_site.runtime.loop import SampleSender
 from local_site.runtime.recorder_relay import RecorderRelay
 
 PERIOD_NS = NS_PER_S // 60
 ASK_AGAIN_S = 0.5
-
-
-@dataclass(frozen=True)
-class PathProgram:
-    """What is run: how far it has come on its path, how the gripper has to be before, whether a hold may end in it.
-
-    `kind` is what the path is, in a word: recorded, or taught. `check` raises where it is not for this cell; `orders`
-    are the operator's since it was called last.
-    """
-
-    kind: str
-    name: str
-    progress: PathProgress
-    gripper_at_start: GripperCommand | None
-    goes_on: bool
-    check: Callable[[Description], None]
-    orders: Callable[[], Iterable[RunOrder]]
 
 
 def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, tell: Callable[[str], object]) -> None:
@@ -65,18 +47,15 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
             cell = _description(link, config.cell, should_stop)
             if cell is None:
                 return
-            _check_held(cell)
-            program.check(cell)
+            program.check_cell(cell)
             session = secrets.randbits(SESSION_BITS)
             with Authority(link, config.cell, wanted.name, session, automatic=wanted.automatic) as authority:
                 watch = RemoteWatch(link.latest(STATE, config.cell), session, lambda _: None)
                 sender = SampleSender(config, link, authority, watch, clock)
-                run = PathRun(
-                    program.progress, cell.mapping, session, program.gripper_at_start, goes_on=program.goes_on
-                )
+                runs = PathRuns(program, session, partial(link.ask, DESCRIBE, config.cell, DescribeQuestion()))
                 structlog.get_logger().info("ready", runs=program.name, cell=config.cell, remote=links.remote)
                 beside = _Beside(RecorderRelay(config, link, authority), _no_camera(config, link, program))
-                _publish(run, program, sender, watch, beside, clock, should_stop, tell)
+                _publish(runs, program, sender, watch, beside, clock, should_stop, tell)
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
         raise
@@ -90,15 +69,6 @@ def _check_alone(endpoint: str, security: LinkSecurity) -> None:
         raise
     except TransportError as error:
         raise TransportError(f"{error} Stop 'farhand local' on this host: this takes its place") from error
-
-
-def _check_held(cell: Description) -> None:
-    """RefusedError for a cell whose arm would follow a path while nobody holds a key."""
-    if not cell.held:
-        raise RefusedError(
-            f'the arm of {cell.cell} would move without a person at the key: set engagement.mode = "hold_to_run" (or '
-            '"pedal") at the remote site, and start it again'
-        )
 
 
 @dataclass(frozen=True)
@@ -127,7 +97,7 @@ def _description(link: Link, cell: str, should_stop: StopFlag) -> Description | 
 
 
 def _publish(
-    run: PathRun,
+    runs: PathRuns,
     program: PathProgram,
     sender: SampleSender,
     watch: RemoteWatch,
@@ -141,9 +111,9 @@ def _publish(
         now_ns = clock.now_ns()
         watch.poll(now_ns)
         for order in program.orders():
-            run.order(order)
-        hand = run.hand(now_ns, watch.state if watch.is_there else None)
-        sender.send_led(hand, run.toggles)
+            program.progress.order(order)
+        hand = runs.hand(now_ns, watch.state if watch.is_there else None)
+        sender.send_led(hand, runs.toggles)
         beside.recorder.poll(now_ns)
         beside.views.tell(now_ns)
         announcements.offer(hand.reason, now_ns)

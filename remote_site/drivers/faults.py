@@ -71,7 +71,7 @@ class RobotFault:
 
 
 NOT_ACTIVATED = RobotFault(FaultCode.NOT_ACTIVATED, "not activated yet")
-STOPPED = RobotFault(FaultCode.STOPPED, "stopped; activate again")
+STOPPED = RobotFault(FaultCode.STOPPED, "stopped, not active any more")
 STILL_MOVING = RobotFault(FaultCode.REFUSED, "the arm still moves; activate it when it rests")
 APART = RobotFault(FaultCode.APART, "the arm is not where it was activated; read it and activate there")
 

@@ -26,7 +26,10 @@ class Outcome:
 
 
 class RequestHandler:
-    """Carries out requests: anybody may stop the arm; maintenance may also reset it; the rest is the lease holder's."""
+    """Carries out requests: anybody may stop the arm; maintenance may also reset it; the rest is the lease holder's.
+
+    Only a reset clears a fault or a stop, and activates a robot that takes no commands.
+    """
 
     def __init__(self, session: Session) -> None:
         self._session = session
@@ -43,15 +46,6 @@ class RequestHandler:
             return Outcome(self._session.request_disengage())
         if action is EngagementAction.RESET:
             return Outcome(self._session.reset(), activate=not robot.ready)
-        return self._engage(robot, now_ns)
-
-    def _engage(self, robot: Robot, now_ns: int) -> Outcome:
-        """Clear a fault; activate a robot that has stopped, or ask the session to engage. A stop refuses all of it."""
-        if (stopped := self._session.stopped) is not None:
-            return Outcome(Answer(False, stopped))
-        self._session.clear_fault()
-        if not robot.ready:
-            return Outcome(Answer(False, reason(Code.ACTIVATED, fault=robot.reason)), activate=True)
         return Outcome(self._session.request_engage(now_ns, robot))
 
 

@@ -107,11 +107,6 @@ class Session:
         return self._intent.hold.held
 
     @property
-    def stopped(self) -> Reason | None:
-        """The stop that has to be reset first."""
-        return self._stopped
-
-    @property
     def barred(self) -> bool:
         """A fault or a stop has to be reset before anything moves."""
         return self._barred() is not None
@@ -185,20 +180,10 @@ class Session:
         self.state, self._reason = SessionState.FAULT, reason(Code.FAULT, cause=cause)
         self._intent.end()
 
-    def clear_fault(self) -> None:
-        """Clear a fault; a stop stays in force, and what was pressed during the fault does not count."""
-        if self.state is SessionState.FAULT:
-            self._intent.end()
-            self.state, self._reason = SessionState.DISENGAGED, self._stopped or reason(Code.NOT_ENGAGED)
-
     def reset(self) -> Answer:
         """Clear a fault and a stop, and end all holding; engaging is a request or a press of its own."""
-        resets = self.state is not SessionState.DISENGAGED or self._stopped is not None
-        self._stopped = None
-        self.clear_fault()
+        self.state, self._stopped, self._reason = SessionState.DISENGAGED, None, reason(Code.RESET)
         self._intent.end()
-        if resets:
-            self._leave(reason(Code.RESET))
         return Answer(True, self._reason)
 
     def tick(self, now_ns: int, robot: Robot) -> Decision:
@@ -213,7 +198,7 @@ class Session:
         if self.state is SessionState.DISENGAGED:
             return self._wait(now_ns, robot, requested)
         if (ended := self._ended(now_ns, robot)) is not None:
-            self._leave(_latched(ended))
+            self._leave(ended)
             return self._decide(Action.STOP)
         if paused_ns > self._hand.soft_ns:
             self._hand.distrust()
@@ -250,8 +235,9 @@ class Session:
         if not robot.ready:
             return reason(Code.ROBOT_NOT_READY, reason=robot.reason)
         if (too_old := self._hand.too_old(now_ns)) is not None:
-            return too_old
-        return self._hold.too_long(now_ns, self._reason) if self.state is SessionState.HOLDING else None
+            return _latched(too_old)
+        too_long = self._hold.too_long(now_ns, self._reason) if self.state is SessionState.HOLDING else None
+        return _latched(too_long) if too_long is not None else None
 
     def _stop(self, now_ns: int, why: Reason) -> Decision:
         """Hold: stop, and resume when the hand is good again."""

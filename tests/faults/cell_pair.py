@@ -106,11 +106,11 @@ class CellPair:
         self.start_remote()
         self.start_local()
 
-    def start_remote(self) -> None:
-        """Start the remote site, and wait for its first state."""
+    def start_remote(self, *settings: str) -> None:
+        """Start the remote site, with other settings than the pair's perhaps, and wait for its first state."""
         self._end("remote")
         before = len(self.states)
-        self._start("remote", [*FARHAND, "remote"], self._setup.remote)
+        self._start("remote", [*FARHAND, "remote"], (*self._setup.remote, *settings))
         self.wait("the remote site", lambda: len(self.states) > before)
 
     def start_local(self) -> None:
@@ -123,6 +123,13 @@ class CellPair:
             "local", [*self._beyond, *module_command("bench.stand_ins.scripted_local", commands)], self._setup.local
         )
         self.wait("the scripted operator", commands.exists)
+
+    def start_path(self, task: str) -> None:
+        """Have a taught task, as the text of its file, take the place of the local site."""
+        self._end("local")
+        file = self.folder / "task.toml"
+        file.write_text(task)
+        self._start("local", [*self._beyond, *FARHAND, "teach", "run", str(file)], self._setup.local)
 
     @property
     def console(self) -> SiteProcess:
@@ -191,7 +198,7 @@ class CellPair:
 
     def follow_from_here(self) -> tuple[float, ...]:
         """Have the arm follow from where it is; the hand's pose then."""
-        self.ask(EngagementAction.DISENGAGE)
+        self.ask(EngagementAction.RESET)
         self.wait("rest", lambda: self.states[-1].q_commanded == self.states[-10].q_commanded, 5)
         pose = self.pose_of_arm()
         self.hand(lost=False, camera="", to=pose, seconds=0.3)

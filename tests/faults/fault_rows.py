@@ -20,6 +20,7 @@ from tests.faults.forgery import (
 )
 from tests.faults.gripper_plays import miss_an_order, restart_while_holding, uncounted
 from tests.faults.network_plays import bear, crowd, lose, partition
+from tests.faults.path_plays import restart_in_another_mode
 from tests.faults.plays import (
     SURE_M,
     Play,
@@ -118,6 +119,7 @@ ROWS = (
     Row("all reports of the page come 3 s late", "its key moves nothing", late_page, settings=HELD, engaged=False),
     Row("key pressed again while stopped, then reset", "STOP; the reset moves nothing, a new press does", reset_under_key, settings=HELD, engaged=False),
     Row("video process killed, engaged automatically", "STOP; restart disengaged", kill_video, settings=AUTOMATIC),
+    Row("the remote site restarts in another mode during a path", "STOP; the arm stays without a key, the path's program ends", restart_in_another_mode(*AUTOMATIC), settings=HELD, engaged=False),
     Row("a sample every 170 ms", "STOP, LATCH after the longest hold", trickle),
     Row("hand first seen after a minute, automatic", "nothing engages", late_hand, settings=AUTOMATIC, engaged=False),
     Row("the console restarts while z is locked", "HOLD until a page reports again; z stays locked", kill_console),

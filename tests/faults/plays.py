@@ -205,7 +205,7 @@ def astray(trial: Trial) -> None:
 def faulty(
     fault: Act, repair: Act, *, says: str, more_s: float = 0.0, silent: bool = False, within_s: float | None = None
 ) -> Play:
-    """The robot or its driver fails: the arm stops, the fault is reported, and only a request clears it."""
+    """The robot or its driver fails: the arm stops, the fault is reported, and only a reset clears it."""
 
     def play(trial: Trial) -> None:
         pair = trial.pair
@@ -217,10 +217,10 @@ def faulty(
         trial.check(says in pair.state.reason, f"the reason does not say {says!r}: {pair.state.reason}")
         if silent:
             trial.obeys_no_command()
-            trial.check(not pair.ask(EngagementAction.ENGAGE).done, "it engaged with the fault still there")
         repair(pair)
+        trial.check(not pair.ask(EngagementAction.ENGAGE).done, "it engaged without a reset")
         trial.stays()
-        trial.check(pair.is_in(SessionState.FAULT) or silent, "the fault cleared itself")
+        trial.check(pair.is_in(SessionState.FAULT), "the fault cleared itself")
         trial.ticks()
 
     return play

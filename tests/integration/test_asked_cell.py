@@ -40,8 +40,13 @@ def test_a_running_cell_is_shown_disengaged_and_stopped_from_a_terminal(pair: Pa
     stopped = farhand("stop", "--operator", "somebody", sites=sites)
     assert (stopped.returncode, stopped.stderr) == (0, "")
     assert stopped.stdout.endswith(
-        "ms: stopped by somebody; reset it, then engage (farhand maintenance reset, or Reset on the page)\n"
+        "ms: stopped by somebody; reset it, then engage (farhand reset, or Reset on the page)\n"
     )
     sites.wait("the state to say so", lambda: sites.state.code == STOPPED)
+    barred = farhand("engage", "--operator", OPERATOR, sites=sites)
+    assert barred.returncode == 1
+    assert "reset it, then engage (farhand reset, or Reset on the page)" in barred.stderr
+    reset = farhand("reset", "--operator", OPERATOR, sites=sites)
+    assert (reset.returncode, reset.stdout) == (0, "reset; engage to continue\n"), reset.stderr
     reset = farhand("maintenance", "reset", sites=sites)
     assert reset.returncode == 0, reset.stderr

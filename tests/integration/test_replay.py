@@ -37,7 +37,7 @@ def maintain(sites: Sites, action: EngagementAction) -> None:
 
 def engage(sites: Sites) -> None:
     """Ask until the arm follows."""
-    sites.wait("readiness", lambda: sites.state.readiness.ready or not sites.is_in(SessionState.DISENGAGED))
+    sites.wait("readiness", lambda: sites.state.readiness.ready)
     request_engage(CELL, sites.control, OPERATOR)
     sites.wait("the arm to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
 

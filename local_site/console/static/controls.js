@@ -1,4 +1,5 @@
 // The operator's controls: who operates, engaging, scales, clutch and locks, and the facts beside them.
+import { pressByKey } from "./keys.js";
 import { mark, put } from "./words.js";
 
 const KEYS = { e: "engage", d: "disengage", r: "reset", c: "clutch" };
@@ -34,7 +35,7 @@ export class Controls {
     element("rotation").addEventListener("input", () => this.steer({ rotation_scale: Number(element("rotation").value) }));
     element("seat-button").addEventListener("click", () => this.#changeSeat());
     element("lease-button").addEventListener("click", () => this.#askLease());
-    addEventListener("keydown", (event) => this.#key(event));
+    pressByKey(Object.fromEntries(Object.entries(KEYS).map(([key, name]) => [key, this.#buttons[name]])));
     this.#enable();
   }
 
@@ -139,12 +140,6 @@ export class Controls {
     put(element("lease"), leaseWords(robot));
     this.#leaseAct = leaseAct(robot?.lease ?? null, this.#operator);
     if (this.#leaseAct !== null) put(element("lease-button"), this.#leaseAct.words);
-  }
-
-  #key(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
-    const name = KEYS[event.key.toLowerCase()];
-    if (name !== undefined && this.#operates) this.#act(name);
   }
 
   #act(name) {

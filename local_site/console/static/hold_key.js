@@ -1,4 +1,6 @@
 // A key that is held, or a pedal that types it, or its button: hold to run, and the assist; a hidden page releases it.
+import { canPress } from "./keys.js";
+
 export class HoldKey {
   down = false;
   #button;
@@ -32,7 +34,7 @@ export class HoldKey {
     if (down && (event.ctrlKey || event.altKey || event.metaKey)) return;
     event.preventDefault();
     event.stopPropagation();
-    if (!event.repeat) this.#set(down);
+    if (!event.repeat && (!down || canPress(this.#button))) this.#set(down);
   }
 
   #set(down) {

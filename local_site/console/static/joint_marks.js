@@ -1,4 +1,5 @@
 // Marking the joints in the operator's picture, for a tracker of one camera: by clicks, or by arrow keys and Enter.
+import { pressByKey } from "./keys.js";
 import { sized } from "./surface.js";
 import { put } from "./words.js";
 
@@ -25,6 +26,7 @@ export class JointMarks {
     this.#context = view.overlay.getContext("2d");
     this.#button.addEventListener("click", () => this.#toggle());
     view.element.addEventListener("click", (event) => this.#click(event));
+    pressByKey({ j: this.#button });
     addEventListener("keydown", (event) => this.#key(event));
   }
 
@@ -50,7 +52,6 @@ export class JointMarks {
 
   #key(event) {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
-    if (event.key.toLowerCase() === "j" && !event.repeat && !this.#row.hidden && !this.#button.disabled) this.#toggle();
     if (this.#marks === null) return;
     const arrow = ARROWS[event.key];
     if (arrow === undefined && event.key !== "Enter") return;

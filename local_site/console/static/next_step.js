@@ -50,6 +50,7 @@ function limitWords(word) {
 }
 
 function disengaged({ readiness, code }, held, minor, down) {
+  if (readiness.code === "robot_not_ready") return { next: "reset", minor, words: "The robot takes no commands: reset it." };
   if (!readiness.ready) return { next: held ? "hold" : "engage", waits: true, minor, words: `Not ready: ${readiness.reason}` };
   if (!held) return { next: "engage", minor, words: "Engage to let the arm follow your hand." };
   const first = down || code === "let_go_first" ? "Let go first. " : "";

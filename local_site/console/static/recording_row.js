@@ -1,4 +1,5 @@
 // The mark that something is recorded, for everybody to see, and what the operator asks of the recorder.
+import { pressByKey } from "./keys.js";
 import { mark, put } from "./words.js";
 
 const KEYS = { p: "episode", s: "success", f: "failure" };
@@ -17,7 +18,7 @@ export class RecordingRow {
     this.#connection = connection;
     this.#alert = alert;
     for (const [name, button] of Object.entries(this.#buttons)) button.addEventListener("click", () => this.#act(name));
-    addEventListener("keydown", (event) => this.#key(event));
+    pressByKey(Object.fromEntries(Object.entries(KEYS).map(([key, name]) => [key, this.#buttons[name]])));
   }
 
   /** Show what the recorders of the cell and of the operator's own side do; without one nothing is shown. */
@@ -61,12 +62,6 @@ export class RecordingRow {
   #can(name) {
     if (!this.#operates || this.#bounded === null) return false;
     return name === "episode" || this.#bounded.episode > 0;
-  }
-
-  #key(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
-    const name = KEYS[event.key.toLowerCase()];
-    if (name !== undefined && this.#can(name)) this.#act(name);
   }
 
   #act(name) {

@@ -1,4 +1,5 @@
 // The bar of a replay: play, pause, speed, a timeline, and the events to jump to; and the mark that nothing here is live.
+import { pressByKey } from "./keys.js";
 import { put } from "./words.js";
 
 const MOVED_MS = 400; // after the slider's last change
@@ -22,6 +23,7 @@ export class ReplayBar {
     element("play").addEventListener("click", () => this.#toggle());
     element("speed").addEventListener("change", () => this.#send({ speed: Number(element("speed").value) }));
     element("timeline").addEventListener("input", () => this.#drag());
+    pressByKey({ k: element("play") });
     addEventListener("keydown", (event) => this.#key(event));
   }
 
@@ -82,7 +84,6 @@ export class ReplayBar {
     if (!this.isShown || event.ctrlKey || event.altKey || event.metaKey) return;
     if (event.target.tagName === "SELECT") return;
     const steps = { ArrowLeft: -STEP_S, ArrowRight: STEP_S };
-    if (event.key.toLowerCase() === "k") this.#toggle();
     if (!(event.key in steps)) return;
     event.preventDefault();
     this.#send({ position_s: Math.max(0, this.#position + steps[event.key]) });

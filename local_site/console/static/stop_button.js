@@ -11,6 +11,7 @@ export class StopButton {
   #askedMs = 0;
   #why = "";
   #stopped = false;
+  #isDown = false;
 
   constructor(connection, alert, letGo) {
     this.#connection = connection;
@@ -20,6 +21,8 @@ export class StopButton {
     button.addEventListener("pointerdown", () => this.#stop());
     button.addEventListener("click", (event) => event.detail === 0 && this.#stop());
     addEventListener("keydown", (event) => this.#key(event), { capture: true });
+    addEventListener("keyup", ({ key }) => (this.#isDown &&= key !== "Escape"), { capture: true });
+    addEventListener("blur", () => (this.#isDown = false));
   }
 
   /** An answer of the console, to a stop or to something else. */
@@ -58,7 +61,8 @@ export class StopButton {
   #key(event) {
     if (event.key !== "Escape") return;
     event.preventDefault();
-    if (!event.repeat) this.#stop();
+    if (!event.repeat || !this.#isDown) this.#stop(); // it may have gone down before the page had the keyboard
+    this.#isDown = true;
   }
 
   #stop() {

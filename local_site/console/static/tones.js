@@ -1,4 +1,6 @@
 // Tones for what the arm does, for an operator who looks at the pictures: M turns them off, which is remembered.
+import { pressByKey } from "./keys.js";
+
 const KEY = "farhand-tones";
 const NOTE_S = 0.11;
 const LOUD = 0.12;
@@ -20,7 +22,8 @@ export class Tones {
 
   constructor() {
     this.#button.addEventListener("click", () => this.#toggle());
-    addEventListener("keydown", (event) => this.#key(event));
+    pressByKey({ m: this.#button });
+    addEventListener("keydown", () => this.#wake());
     addEventListener("pointerdown", () => this.#wake(), { capture: true });
     this.#describe();
   }
@@ -31,12 +34,6 @@ export class Tones {
     const isNew = this.#last !== null && heard !== this.#last;
     this.#last = heard;
     if (this.#on && isNew && this.#audio !== null && heard in NOTES) this.#sound(NOTES[heard]);
-  }
-
-  #key(event) {
-    this.#wake();
-    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
-    if (event.key.toLowerCase() === "m") this.#toggle();
   }
 
   /** Browsers let a page sound only after its user has done something. */

@@ -1,5 +1,6 @@
 // All views: four of the cell, each enlarged by a click or its number, and those of the operator below.
 import { H264Decoder } from "./h264_decoder.js";
+import { canPress, isPlain, pressByKey } from "./keys.js";
 import { parsePicture } from "./picture.js";
 import { ToolPath } from "./tool_path.js";
 import { View } from "./view.js";
@@ -35,6 +36,7 @@ export class Views {
     for (const name of PREVIEWS) this.#add(this.#previews, `preview/${name}`, `operator ${name}`, null);
     this.#ghostButton.addEventListener("click", () => this.#toggleGhost());
     this.#marksButton.addEventListener("click", () => this.#toggleMarks());
+    pressByKey({ g: this.#ghostButton, t: this.#marksButton });
     addEventListener("keydown", (event) => this.#key(event));
   }
 
@@ -153,11 +155,8 @@ export class Views {
   }
 
   #key(event) {
-    if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
-    if (event.key.toLowerCase() === "g" && !this.#ghostButton.hidden) this.#toggleGhost();
-    if (event.key.toLowerCase() === "t" && !this.#marksButton.hidden) this.#toggleMarks();
     const chosen = this.#cameras.children[Number.parseInt(event.key, 10) - 1];
-    if (chosen !== undefined) this.#enlarge(chosen);
+    if (chosen !== undefined && isPlain(event) && canPress(chosen)) this.#enlarge(chosen);
   }
 
   #toggleGhost() {

@@ -1,4 +1,4 @@
-"""Requests on a clock moved by hand: when they are sent, sent again, made again for a robot that woke, and given up."""
+"""Requests on a clock moved by hand: when they are sent, sent again and given up."""
 
 from collections.abc import Callable
 from functools import partial
@@ -11,10 +11,9 @@ from common.errors import TransportError
 from common.link.channels import ENGAGEMENT, STOP, Procedure
 from common.link.engagement_client import ask_engagement
 from common.link.remote_clock import RemoteClock
-from common.link.request_client import ATTEMPT_NS, PATIENCE_NS, SETTLE_NS, RequestClient, RequestSchedule
+from common.link.request_client import ATTEMPT_NS, PATIENCE_NS, RequestClient, RequestSchedule
 from common.link.transport import REQUEST_TIMEOUT_S, Link
-from common.messages.requests import ACTIVATED, EngagementAction, EngagementRequest, Reply, StopRequest
-from remote_site.reasons import Code
+from common.messages.requests import EngagementAction, EngagementRequest, Reply, StopRequest
 
 ENGAGE = partial(EngagementRequest, action=EngagementAction.ENGAGE)
 OFFSET_NS = 3600 * NS_PER_S
@@ -120,28 +119,9 @@ def test_a_stop_waits_for_no_clock_and_goes_to_a_queue_of_its_own() -> None:
     assert asked == [(STOP, StopRequest())] * 3
 
 
-def test_a_robot_that_was_activated_is_asked_once_more_with_a_new_request() -> None:
-    answer, link = asked(lambda _, attempt: reply(ACTIVATED) if attempt == 1 else reply("ok"))
-    assert answer == reply("ok")
-    (_, first), (at_ns, second) = link.asked
-    assert at_ns == SETTLE_NS
-    assert second.id != first.id
-    assert second.deadline_ns == SETTLE_NS + PATIENCE_NS
-
-
-def test_a_robot_that_is_activated_again_and_again_is_asked_no_third_time() -> None:
-    answer, link = asked(lambda *_: reply(ACTIVATED))
-    assert answer == reply(ACTIVATED)
-    assert len(link.asked) == 2
-
-
-def test_activated_is_the_remote_sites_own_code() -> None:
-    assert Code.ACTIVATED.value == ACTIVATED
-
-
 @pytest.mark.parametrize("took_ms", [0, 299, 300, 1000])
 def test_attempts_are_apart_however_long_each_takes(took_ms: int) -> None:
-    schedule = RequestSchedule(lambda: 7, NS_PER_S, 0)
+    schedule = RequestSchedule(7, NS_PER_S, 0)
     schedule.sent(0)
     assert schedule.due_ns == ATTEMPT_NS
     schedule.sent(took_ms * NS_PER_MS)

@@ -11,7 +11,7 @@ from common.clock import NS_PER_MS
 from common.errors import ConfigError, InterruptionError, TransportError
 from common.messages.requests import Reply
 from farhand.authority import engage
-from farhand.authority.engage import request_disengage, request_stop
+from farhand.authority.engage import request_disengage, request_engage, request_reset, request_stop
 from farhand.certificates.folder import CertificateOrder, create
 from tests.common.link.secured_cell import ANNA, BEN, CELL, OPERATORS, Cell, free_port, running, secured
 
@@ -86,10 +86,21 @@ def test_ctrl_c_before_an_answer_is_no_acknowledgement(monkeypatch: pytest.Monke
         request_stop(CELL, f"tcp/127.0.0.1:{free_port()}", ANNA)
 
 
-@pytest.mark.parametrize("ask", [request_stop, request_disengage])
-def test_a_reply_that_refuses_is_no_success(ask, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("ask", "begins"),
+    [(request_stop, NOT), (request_disengage, "not disengaged ("), (request_reset, "not reset (")],
+)
+def test_a_reply_that_refuses_is_no_success(ask, begins: str, monkeypatch: pytest.MonkeyPatch) -> None:
     refused = Reply(id=0, done=False, code="not_holder", reason="ben holds the lease")
     monkeypatch.setattr(engage, "ask_engagement", lambda *_, **__: refused)
     with pytest.raises(TransportError, match="not_holder") as told:
         ask(CELL, f"tcp/127.0.0.1:{free_port()}", ANNA)
-    assert str(told.value).startswith(NOT if ask is request_stop else "not disengaged (")
+    assert str(told.value).startswith(begins)
+
+
+@pytest.mark.parametrize("code", ["stopped", "fault", "robot_not_ready"])
+def test_an_engagement_that_needs_a_reset_first_names_the_command(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = Reply(id=0, done=False, code=code, reason="reset it, then engage")
+    monkeypatch.setattr(engage, "ask_engagement", lambda *_, **__: refused)
+    with pytest.raises(TransportError, match=r"reset it, then engage \(farhand reset, or Reset on the page\)"):
+        request_engage(CELL, f"tcp/127.0.0.1:{free_port()}", ANNA)

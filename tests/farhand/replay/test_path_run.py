@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from common.clock import NS_PER_S
+from common.errors import RefusedError
 from common.messages.hand import Locks
 from common.messages.robot import GripperCommand, GripperStatus, SessionState
 from farhand.experiments.stepped.site import SESSION
@@ -11,6 +13,7 @@ from local_site.programmed.path_progress import PathProgress
 from local_site.programmed.path_run import ENDED, WAITS
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 from remote_site.kinematics.limits import load_arm
+from remote_site.session.config import EngagementMode
 from tests.led_cell import CONFIG, LedCell
 
 NEAR_M = 1e-3
@@ -138,7 +141,7 @@ def test_a_lock_on_the_page_stands_the_run_and_is_named():
     cell.until("runs")
     state = cell.state()
     locked = replace(state, settings=replace(state.settings, locks=Locks(roll=True)))
-    hand = cell.run.hand(cell.site.now_ns, locked)
+    hand = cell.runs.hand(cell.site.now_ns, locked)
     assert "roll is locked" in hand.reason
     assert hand.status.value == "initialising"
 
@@ -172,16 +175,16 @@ def test_a_run_whose_end_the_arm_has_not_reached_is_not_told_to_be_well():
     state = cell.state()
     x, y, z = state.base_T_tool.position
     off = replace(state, base_T_tool=replace(state.base_T_tool, position=(x, y, z + 0.03)))
-    assert "done, but the arm is 30 mm and 0 deg off" in cell.run.hand(cell.site.now_ns, off).reason
+    assert "done, but the arm is 30 mm and 0 deg off" in cell.runs.hand(cell.site.now_ns, off).reason
 
 
 def test_a_gripper_that_is_not_measured_is_refused_before_anything_moves():
     cell = cell_on(some_path(GripperAction(1.0, GripperCommand.OPEN)))
-    hand = cell.run.hand(cell.site.now_ns, replace(cell.state(), gripper=None))
+    hand = cell.runs.hand(cell.site.now_ns, replace(cell.state(), gripper=None))
     assert "none that is measured" in hand.reason
     assert hand.status.value == "initialising"
     without = cell_on(some_path())
-    assert without.run.hand(without.site.now_ns, replace(without.state(), gripper=None)).reason == WAITS
+    assert without.runs.hand(without.site.now_ns, replace(without.state(), gripper=None)).reason == WAITS
 
 
 def test_a_silent_remote_site_stands_the_run():
@@ -189,21 +192,78 @@ def test_a_silent_remote_site_stands_the_run():
     cell.until("runs")
     cell.pass_s(0.5)
     before = cell.progress.target
-    hand = cell.run.hand(cell.site.now_ns, None)
+    hand = cell.runs.hand(cell.site.now_ns, None)
     assert "silent" in hand.reason
     assert cell.progress.target == pytest.approx(before)
 
 
-@pytest.mark.parametrize("session", [SESSION + 1, None])
-def test_an_engagement_of_another_session_leads_nothing_and_ours_after_it_begins_with_an_approach(session):
+def moved_mm(cell, stood):
+    return 1e3 * np.linalg.norm(cell.base_T_tool[:3, 3] - stood[:3, 3])
+
+
+@pytest.mark.parametrize("mode", [EngagementMode.AUTOMATIC, EngagementMode.ON_REQUEST])
+@pytest.mark.parametrize("goes_on", [True, False])
+def test_a_remote_site_that_starts_again_in_another_mode_ends_the_runs_and_the_arm_stays(mode, goes_on):
+    cell = engaged(cell_on(some_path(), goes_on=goes_on))
+    cell.until("runs")
+    cell.pass_s(0.5)
+    cell.key_held = False
+    cell.restart(PATIENT.engaging(mode))
+    stood = cell.base_T_tool
+    with pytest.raises(RefusedError, match="would move without a person at the key"):
+        cell.pass_s(10.0)
+    assert cell.site.snapshot.state is SessionState.DISENGAGED
+    assert moved_mm(cell, stood) < 1.0
+
+
+def test_after_a_restart_in_the_same_mode_only_a_key_pressed_anew_begins_a_run_and_from_the_paths_beginning():
+    path = some_path()
+    cell = engaged(cell_on(path))
+    cell.until("runs")
+    cell.pass_s(1.0)
+    cell.restart(PATIENT)
+    stood = cell.base_T_tool
+    cell.pass_s(3.0)
+    assert moved_mm(cell, stood) < 1.0
+    cell.key_held = False
+    engaged(cell)
+    assert moved_mm(cell, stood) < 5.0
+    assert cell.progress.target == pytest.approx(path.base_T_tool(0.0))
+    cell.until("done")
+    cell.pass_s(1.0)
+    assert off_m(cell, path, 2.0) < NEAR_M
+
+
+def test_a_restart_with_another_mapping_is_led_by_that_mapping():
+    path = some_path()
+    cell = engaged(cell_on(path))
+    cell.until("runs")
+    cell.key_held = False
+    halved = replace(PATIENT, mapping=replace(PATIENT.mapping, scale=0.5 * PATIENT.mapping.scale))
+    cell.restart(halved)
+    cell.pass_s(1.0)
+    engaged(cell)
+    cell.until("done")
+    cell.pass_s(1.0)
+    assert off_m(cell, path, 2.0) < NEAR_M
+
+
+NOT_OURS = {
+    "another operator's": lambda state: replace(state, lease=replace(state.lease, session=SESSION + 1)),
+    "nobody's": lambda state: replace(state, lease=None),
+    "made without a key": lambda state: replace(state, readiness=replace(state.readiness, held=False)),
+}
+
+
+@pytest.mark.parametrize("made", NOT_OURS)
+def test_an_engagement_that_another_made_leads_no_run_and_ends_the_one_under_way(made):
     cell = engaged(cell_on(some_path()))
     cell.until("runs")
     cell.pass_s(0.5)
-    ours, now_ns, stood = cell.state(), cell.site.now_ns, cell.progress.target
-    lease = replace(ours.lease, session=session) if session is not None else None
-    first = cell.run.hand(now_ns, replace(ours, lease=lease))
-    later = cell.run.hand(now_ns + 500_000_000, replace(ours, lease=lease))
-    assert (first.reason, later.reason) == (WAITS, WAITS)
-    assert later.wrist == pytest.approx(first.wrist)
-    assert cell.progress.target == pytest.approx(stood)
-    assert "approaches" in cell.run.hand(now_ns + 516_000_000, ours).reason
+    reached, others = cell.progress.target, NOT_OURS[made](cell.state())
+    hands = [cell.runs.hand(cell.site.now_ns + k * NS_PER_S // 60, others) for k in range(120)]
+    assert {hand.reason for hand in hands} == {WAITS}
+    assert all(hand.wrist == pytest.approx(hands[0].wrist) for hand in hands)
+    assert cell.progress.target == pytest.approx(reached)
+    cell.runs.hand(cell.site.now_ns + 3 * NS_PER_S, cell.state())
+    assert cell.progress.target == pytest.approx(some_path().base_T_tool(0.0)), "a run of its own begins anew"

@@ -76,6 +76,16 @@ def run_control(loop, robot, inbox, ticks):
         ticking.tick(loop.clock.now_ns() + k * TICK_NS)
 
 
+def test_an_engagement_wakes_no_robot_that_has_stopped():
+    loop = RemoteLoop()
+    robot = QuickRobot(loop.config.robot.start, loop.config.robot.start)
+    inbox = Requests("operator-7", [EngagementAction.ENGAGE] * 3)
+    run_control(loop, robot, inbox, 3)
+    assert not any(answer.done for answer in inbox.answers)
+    assert robot.fault is STOPPED
+    assert robot.written == []
+
+
 def test_control_that_stumbled_at_rest_wakes_the_robot_again():
     loop = RemoteLoop()
     robot = QuickRobot(loop.config.robot.start, loop.config.robot.start)
@@ -100,9 +110,9 @@ def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_acti
     loop = RemoteLoop()
     start = loop.config.robot.start
     robot = QuickRobot(start, start + 2e-5)
-    inbox = Requests("operator-7", [EngagementAction.ENGAGE])
+    inbox = Requests("operator-7", [EngagementAction.RESET], maintenance=True)
     run_control(loop, robot, inbox, 3)
-    assert [answer.reason.code.value for answer in inbox.answers] == ["activated"]
+    assert [answer.reason.code.value for answer in inbox.answers] == ["reset"]
     assert len(robot.written) == 2
     assert all((command.q == robot.q).all() for command in robot.written)
 

@@ -4,10 +4,12 @@ import pytest
 
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
+from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED
 from remote_site.reasons import Code
+from remote_site.session.config import EngagementMode
 from remote_site.session.requests import RequestHandler, SessionRequest
-from remote_site.session.state_machine import Action
-from tests.remote_site.session.session_rig import DEAD, LEASE, READY, engaged
+from remote_site.session.state_machine import Action, Robot
+from tests.remote_site.session.session_rig import DEAD, LEASE, READY, REST, SessionRig, engaged
 
 ENGAGE, DISENGAGE = EngagementAction.ENGAGE, EngagementAction.DISENGAGE
 STOP, RESET = EngagementAction.STOP, EngagementAction.RESET
@@ -71,23 +73,30 @@ def test_everybody_else_is_refused_and_changes_nothing(action, operator, mainten
         assert each.session.state is state
 
 
-def test_an_engagement_clears_a_fault_but_no_stop():
-    rig = engaged()
+@pytest.mark.parametrize("mode", EngagementMode)
+@pytest.mark.parametrize("robot", [READY, DEAD])
+def test_an_engagement_clears_no_fault_however_often_it_is_asked_for(mode, robot):
+    rig = SessionRig(mode=mode)
+    rig.frames(30)
     rig.session.fault("the driver process died")
-    rig.frames(1)
-    assert ask(rig, ENGAGE).answer.done
-    rig.session.stop(OTHER)
-    rig.session.fault("the driver process died")
-    outcome = ask(rig, ENGAGE)
-    assert (outcome.answer.done, outcome.answer.reason.code) == (False, Code.STOPPED)
+    for _ in range(3):
+        outcome = ask(rig, ENGAGE, robot=robot)
+        assert (outcome.answer.done, outcome.answer.reason.code, outcome.activate) == (False, Code.FAULT, False)
+        assert outcome.answer.reason.sentence == "the driver process died; reset it, then engage"
+        assert rig.frames(40, held=True).state is SessionState.FAULT
+    assert ask(rig, RESET).answer.done
+    assert rig.frames(40, held=True).state is SessionState.DISENGAGED
 
 
-def test_engaging_a_robot_that_is_not_ready_activates_it_and_has_to_be_asked_again():
-    rig = engaged()
-    rig.session.fault("brakes on")
-    outcome = ask(rig, ENGAGE, robot=DEAD)
-    assert (outcome.answer.done, outcome.answer.reason.code, outcome.activate) == (False, Code.ACTIVATED, True)
-    assert DEAD.reason in outcome.answer.reason.sentence
+@pytest.mark.parametrize("fault", [STOPPED, NOT_ACTIVATED, DEAD.fault])
+def test_only_a_reset_activates_a_robot_that_takes_no_commands(fault):
+    rig, stopped = engaged(), Robot(fault, REST)
+    rig.frames(1, stopped)
+    outcome = ask(rig, ENGAGE, robot=stopped)
+    assert (outcome.answer.done, outcome.answer.reason.code, outcome.activate) == (False, Code.ROBOT_NOT_READY, False)
+    assert f"{fault}; reset it" in outcome.answer.reason.sentence
+    outcome = ask(rig, RESET, robot=stopped)
+    assert (outcome.answer.reason.code, outcome.activate) == (Code.RESET, True)
     assert rig.frames(40).state is SessionState.DISENGAGED
     assert ask(rig, ENGAGE).answer.done
     assert rig.frames(1).action is Action.CAPTURE

@@ -4,11 +4,12 @@ import pytest
 
 from common.clock import NS_PER_MS
 from common.messages.robot import SessionState
+from remote_site.drivers.faults import STOPPED
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.age_limit import AgeLimit
 from remote_site.session.lease import Holder, Lease
-from remote_site.session.state_machine import Action
+from remote_site.session.state_machine import Action, Robot
 from tests.remote_site.session.session_rig import (
     DEAD,
     JUMPS,
@@ -19,6 +20,7 @@ from tests.remote_site.session.session_rig import (
     OLD_OFFSET,
     OTHERS,
     READY,
+    REST,
     engaged,
     good,
 )
@@ -124,17 +126,30 @@ def test_a_stop_bars_every_engagement_until_it_is_reset():
     assert rig.frames(1).action is Action.CAPTURE
 
 
-def test_a_stop_outlives_another_stop_a_new_session_and_a_fault():
+def test_a_stop_outlives_another_stop_and_a_new_session_and_one_reset_ends_it_with_a_fault():
     rig = engaged()
     rig.session.stop("ben")
     rig.session.stop("anna")
     rig.session.sample(good(rig.now_ns, new_session=True))
     rig.session.fault("the driver process died")
     assert rig.frames(50).state is SessionState.FAULT
-    rig.session.clear_fault()
-    assert rig.frames(50).reason.sentence == "stopped by ben; reset it, then engage"
     assert not rig.session.request_engage(rig.now_ns, READY).done
     assert rig.session.reset().reason.code is Code.RESET
+    assert rig.frames(50).state is SessionState.DISENGAGED
+    assert rig.session.request_engage(rig.now_ns, READY).done
+
+
+def test_a_stop_stays_after_a_new_session():
+    rig = engaged()
+    rig.session.stop("ben")
+    rig.session.sample(good(rig.now_ns, new_session=True))
+    assert rig.frames(50).reason.sentence == "stopped by ben; reset it, then engage"
+
+
+def test_a_robot_that_stops_by_itself_ends_the_engagement_and_names_the_cure():
+    decision = engaged().frames(1, Robot(STOPPED, REST))
+    assert (decision.state, decision.action) == (SessionState.DISENGAGED, Action.STOP)
+    assert decision.reason.sentence == "the robot is not ready: stopped, not active any more; reset it, then engage"
 
 
 @pytest.mark.parametrize(("soft", "scale"), [(50.0, 1.0), (100.0, 1.0), (200.0, 0.5), (400.0, 0.25)])

@@ -63,7 +63,7 @@ def test_a_stop_ends_the_motion_at_rest_and_only_an_activation_begins_another() 
     assert np.abs(np.diff(arm.robot.sent[-15:], axis=0)).max() == 0.0
     assert (acceleration <= 1.5 * SETUP.limits.acceleration).all()
     assert speed[0] > 0.5
-    with pytest.raises(DriverError, match="activate again"):
+    with pytest.raises(DriverError, match="not active any more"):
         arm.write(JointMotion.at_rest(arm.read().q))
     arm.activate().move(40)
     assert arm.code() == ""
