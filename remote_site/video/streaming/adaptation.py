@@ -80,7 +80,7 @@ class Adaptation:
         self._full = StreamSetting(config.quality, 1.0, config.fps)
         self._new_choice = partial(CodecChoice, config.codec, encodes=h264)
         self._sent = {camera.name: SentPictures() for camera in config.cameras}
-        self._reported_ns = 0
+        self._reported_ns = self._newest_told_ns = 0
         self._older: deque[int] = deque(maxlen=OLDER_CONSOLES)
         self._forget(None)
 

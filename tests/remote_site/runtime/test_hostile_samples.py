@@ -15,7 +15,7 @@ from remote_site.recording.cycle_record import decode_input, encode_input
 from remote_site.recording.memory import RecordingMemory
 from remote_site.runtime.reporting import Reporter
 from remote_site.runtime.site_memory import SiteMemory
-from remote_site.session.samples import NamedSample
+from remote_site.session.samples import NamedSample, as_of_now
 from tests.remote_site.driven_loop import CONFIG, DrivenLoop
 from tests.remote_site.remote_loop import LEASE, TICK_NS, arm, collision_model, hand
 
@@ -70,6 +70,7 @@ class HostileHand:
             remote_minus_local_ns=max(-(2**63), min(local_ns, 2**63 - 1)),
             uncertainty_ns=chance.choice((0, 10**6, *COUNTS)),
             measured_ns=self._count(now_ns),
+            remote_ahead_ns=chance.choice((None, 0, 1, -(2**40), 2**63 - 1, -(2**63))),
         )
         points = {name: self._point() for name in NAMES}
         changes = points | {
@@ -104,7 +105,9 @@ def test_any_samples_that_the_wire_accepts_leave_control_cycles_that_can_be_sent
         loop._desk.turn()
         now_ns = loop.clock.now_ns()
         memory.beat(now_ns)
-        samples = [NamedSample("operator-7", hostile.sample(seq + k, now_ns)) for k in range(3)]
+        samples = [
+            NamedSample("operator-7", as_of_now(hostile.sample(seq + k, now_ns), -271_000_000)) for k in range(3)
+        ]
         loop.snapshot = loop.driven.cycle(now_ns, loop.leases.status(now_ns), samples, [])
         tap.note_cycle(loop.driven.given, loop.driven.command, loop.driven.ordered, loop.driven.report)
         reporter.note(loop.snapshot, loop.driven)
