@@ -99,10 +99,21 @@ class RoundTrip:
 
 @dataclass(frozen=True, slots=True)
 class ClockEstimate:
-    """The best estimate of the offset, and the time by the other clock of the newest round trip that agrees with it."""
+    """The best estimate of the offset, and the time by the other clock of the newest round trip that agrees with it.
+
+    `their_ahead_ns` is by how much steady time was ahead of the other clock then; `unseen_ns` is what that clock may
+    have been slewed by since, which its own host knows, and nobody else.
+    """
 
     offset: ClockOffset
     measured_ns: int
+    their_ahead_ns: int = 0
+    unseen_ns: int = 0
+
+    @property
+    def of_their_stamps(self) -> ClockOffset:
+        """The offset with which a stamp of the other clock is never taken for younger than it is."""
+        return ClockOffset(self.offset.offset_ns, self.offset.uncertainty_ns + self.unseen_ns)
 
 
 class OffsetEstimator:

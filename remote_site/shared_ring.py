@@ -9,6 +9,7 @@ RESERVED, HEAD, NUMBER = range(3)
 LARGEST_FRACTION = 4  # a record takes at most this part of the ring
 FILLER = 0xFFFFFFFF
 STANDING_ATTEMPTS = 1000
+STEPS_PER_LOOK = 16  # to the next record: an end that is filled, and places that are overwritten meanwhile
 
 
 class SharedRing:
@@ -99,8 +100,10 @@ class RingReader:
         self.lost = 0
 
     def take(self) -> bytes | None:
-        """The oldest record that was not taken yet, None without one."""
-        while self._position < self._ring.head:
+        """The oldest record that was not taken yet, None without one, or where the ring is damaged."""
+        for _ in range(STEPS_PER_LOOK):
+            if self._position >= self._ring.head:
+                return None
             record = self._ring.record_at(self._position)
             if record is None:
                 self._catch_up()

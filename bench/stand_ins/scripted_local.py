@@ -12,6 +12,7 @@ import numpy as np
 
 from bench.network.command_socket import CommandSocket
 from bench.stand_ins.hand_path import ScriptedPath
+from bench.stand_ins.slewed_clock import SlewedClock, slewed_clock
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import CameraError
@@ -36,8 +37,8 @@ COVARIANCE = 1e-6 * np.eye(3)
 class Script:
     """What the operator's hand and the cameras do, as commanded so far."""
 
-    def __init__(self, commands: CommandSocket) -> None:
-        self._commands = commands
+    def __init__(self, commands: CommandSocket, clock: SlewedClock) -> None:
+        self._commands, self._clock = commands, clock
         self.path = ScriptedPath.still()
         self._jump_m, self._jumps = np.zeros(3), 0
         self.lost = self.open = self.swapped = self.inferred = False
@@ -56,6 +57,8 @@ class Script:
             self.open = fields.get("open", self.open)
             self.swapped, self.inferred = fields.get("swapped", self.swapped), fields.get("inferred", self.inferred)
             self.palm_sigma_m = fields.get("palm_sigma_m", self.palm_sigma_m)
+            if "slew" in fields:
+                self._clock.slew(fields["slew"])
             if "jump_m" in fields:
                 self._jump_m, self._jumps = np.array(fields["jump_m"]), fields["jumps"]
             if "to" in fields:
@@ -137,7 +140,12 @@ class ListeningCamera(ScriptedCamera):
 
 def run() -> None:
     """The command line of Farhand, with a scripted operator."""
-    script = Script(CommandSocket(sys.argv.pop(1)))
+    with slewed_clock() as clock:
+        run_scripted(Script(CommandSocket(sys.argv.pop(1)), clock))
+
+
+def run_scripted(script: Script) -> None:
+    """The command line of Farhand, with this operator."""
 
     def open_operator(
         _: OperatorConfig, simulation: SimulationConfig, tracking: TrackingConfig, __: Clock

@@ -1,19 +1,27 @@
 """A running camera: set up and verified when it is opened, its frames stamped by its driver or by their arrival."""
 
+import math
 from collections.abc import Callable
+from typing import TypeGuard
 
 import cv2
+import numpy as np
+import structlog
 
 from common.cameras.camera import Frame, Image
 from common.cameras.controls import V4L2, CameraState, VideoCapture, check_state, read_back, set_up
+from common.cameras.given_rate import GivenRate
 from common.cameras.modes import device_of
 from common.cameras.settings import AS_IT_IS, CameraSettings
 from common.cameras.stamps import DriverStamps
-from common.clock import NS_PER_MS, Clock, MonotonicClock
+from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import CameraError
 
 WAITING_NS = 2 * NS_PER_MS  # a frame that comes sooner was waiting in a buffer
 MOST_WAITING = 8
+GIVEN_UP_NS = 2 * NS_PER_S  # without a picture
+RETRY_NS = 10 * NS_PER_MS  # a source that is gone says so at once, again and again
+CURE_OF_RATE = "give more light or a fixed exposure_ms, a port of its own, or pixel_format = 'MJPG'"
 
 
 def open_capture(source: str) -> VideoCapture:
@@ -30,6 +38,9 @@ class LiveCamera:
     monotonic clock; else with their arrival less `latency_ms`. `state` is what the camera did when it was opened;
     `wished_fps` is asked for and not verified. Raises CameraError when the camera cannot be opened, gives no
     picture, or does otherwise than its settings ask.
+
+    A picture that does not come, or is none of the camera's size, is skipped and counted (`lost`); after GIVEN_UP_NS
+    without one the camera has failed. The log says the first that is lost, and when fewer come than the camera states.
     """
 
     def __init__(
@@ -47,14 +58,15 @@ class LiveCamera:
         self._settings = settings
         self._clock = clock or MonotonicClock()
         self._stamps = DriverStamps()
-        self._seq = 0
-        self._last_ns = 0
+        self._seq = self._last_ns = self.lost = 0
+        self._is_closed = False
         self._capture = open_source(source)
         if not self._capture.isOpened():
             raise CameraError(f"camera {name}: cannot open {source}; is it plugged in, and may this user read it?")
         try:
             set_up(self._capture, settings, wished_fps)
             self.state: CameraState = self._verified()
+            self._rate = GivenRate(self.state.fps)
         except CameraError:
             self.close()
             raise
@@ -65,10 +77,12 @@ class LiveCamera:
         return self._stamps.trusted
 
     def read(self) -> Frame | None:
-        """Wait for the newest frame; CameraError when the camera delivers none."""
+        """Wait for the newest frame; CameraError when the camera delivers none for GIVEN_UP_NS."""
         if self._seq == 0:
             self._drop_waiting()
-        image, arrival_ns, stamp_ns = self._next("delivers no more frames; was it unplugged?")
+        asked_ns = self._clock.now_ns()
+        image, arrival_ns, stamp_ns = self._next("delivers no more frames; was it unplugged?", self.state.size_px)
+        self._watch_rate(arrival_ns, arrival_ns - asked_ns)
         if self._stamps.trusted:
             self._stamps.add(stamp_ns, arrival_ns)
         by_driver, settings = self._stamps.trusted, self._settings
@@ -80,6 +94,7 @@ class LiveCamera:
         return frame
 
     def close(self) -> None:
+        self._is_closed = True
         self._capture.release()
 
     def _verified(self) -> CameraState:
@@ -98,14 +113,46 @@ class LiveCamera:
                 self._stamps.add(stamp_ns, arrival_ns)
         return state
 
-    def _next(self, otherwise: str) -> tuple[Image, int, int]:
+    def _next(self, otherwise: str, size_px: tuple[int, int] | None = None) -> tuple[Image, int, int]:
         """The next picture, its arrival and its driver's stamp, ns; CameraError says `otherwise`."""
-        ok, image = self._capture.read()
-        arrival_ns = self._clock.now_ns()
-        if not ok:
-            raise CameraError(f"camera {self.name}: {self._source} {otherwise}")
-        stamp_ns = round(self._capture.get(cv2.CAP_PROP_POS_MSEC) * NS_PER_MS)
-        return image, arrival_ns, stamp_ns  # type: ignore[return-value]  # cv2's stubs allow any dtype; a camera gives uint8
+        give_up_ns = self._clock.now_ns() + GIVEN_UP_NS
+        while (image := self._read_one(size_px)) is None:
+            self._lose()
+            if self._is_closed or self._clock.now_ns() >= give_up_ns:
+                raise CameraError(f"camera {self.name}: {self._source} {otherwise}")
+            self._clock.sleep_until_ns(self._clock.now_ns() + RETRY_NS)
+        arrival_ns, stamp_ms = self._clock.now_ns(), self._capture.get(cv2.CAP_PROP_POS_MSEC)
+        return image, arrival_ns, round(stamp_ms * NS_PER_MS) if math.isfinite(stamp_ms) else 0
+
+    def _read_one(self, size_px: tuple[int, int] | None) -> Image | None:
+        """A picture of this size, of any where it is None; None where none came."""
+        try:
+            ok, image = self._capture.read()
+        except cv2.error:  # what came could not be decoded
+            return None
+        return image if ok and _is_picture(image, size_px) else None
+
+    def _lose(self) -> None:
+        self.lost += 1
+        if self.lost == 1:
+            cure = "a few are skipped; where they are many, look at its cable and its port"
+            structlog.get_logger().warning("a picture was lost", camera=self.name, source=self._source, cure=cure)
+
+    def _watch_rate(self, now_ns: int, waited_ns: int) -> None:
+        """Say when the camera begins to give fewer pictures than it states, and when it gives them again."""
+        was_slow = self._rate.slow_fps is not None
+        self._rate.note(now_ns, waited_ns)
+        slow_fps = self._rate.slow_fps
+        if (slow_fps is not None) == was_slow:
+            return
+        log, stated = structlog.get_logger(), f"{self.state.fps:g}"
+        if slow_fps is None:
+            log.info("a camera gives as many pictures as it states", camera=self.name, fps=stated)
+        else:
+            given = f"{slow_fps:.1f}"
+            log.warning(
+                "a camera gives too few pictures", camera=self.name, fps=given, stated=stated, cure=CURE_OF_RATE
+            )
 
     def _drop_waiting(self) -> None:
         """Drop frames that have waited in buffers since the camera was opened: their arrival says nothing."""
@@ -113,3 +160,11 @@ class LiveCamera:
             before_ns = self._clock.now_ns()
             if not self._capture.grab() or self._clock.now_ns() - before_ns > WAITING_NS:
                 return
+
+
+def _is_picture(image: object, size_px: tuple[int, int] | None) -> TypeGuard[Image]:
+    """Whether this is (H, W) or (H, W, 3), uint8, and of the size."""
+    if not isinstance(image, np.ndarray) or image.dtype != np.uint8 or not image.size:
+        return False
+    is_grey, is_colour = image.ndim == 2, image.ndim == 3 and image.shape[2] == 3
+    return (is_grey or is_colour) and size_px in (None, (image.shape[1], image.shape[0]))

@@ -4,13 +4,14 @@ from typing import Annotated
 
 import msgspec
 
-PROTOCOL_VERSION = 14
+PROTOCOL_VERSION = 15
 SESSION_BITS = 32  # of the random number of a start: five bytes on the wire
 SINGLE = msgspec.Meta(extra={"sent_as": "single precision"})
 IN_SIX_BYTES = msgspec.Meta(extra={"sent_as": "covariance"})
 Vector3 = Annotated[tuple[float, float, float], SINGLE]
 Quaternion = Annotated[tuple[float, float, float, float], SINGLE]
-Text = Annotated[str, msgspec.Meta(max_length=400)]
+MOST_TEXT = 400  # characters
+Text = Annotated[str, msgspec.Meta(max_length=MOST_TEXT)]
 Name = Annotated[str, msgspec.Meta(min_length=1, max_length=64)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)]
 Difference = Annotated[int, msgspec.Meta(ge=-(2**63), le=2**63 - 1)]

@@ -42,4 +42,4 @@ def _steps(deviation_m: float) -> int:
 
 
 def _correlation(covariance: float, product: float) -> int:
-    return max(-WHOLE, min(WHOLE, round(WHOLE * covariance / product))) if product > 0 else 0
+    return round(max(-WHOLE, min(WHOLE, WHOLE * covariance / product))) if product > 0 else 0

@@ -97,12 +97,15 @@ class OperatorIntent(Message, frozen=True):
 class ClockSync(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The remote site's clock minus the local site's, as the local site measured it over the control session, ns.
 
-    `measured_ns` is when it was confirmed last, by the remote site's clock, which so knows how long ago that was.
+    `measured_ns` is when it was confirmed last, by the remote site's clock, which so knows how long ago that was, and
+    `remote_ahead_ns` by how much steady time was ahead of that clock then: so the remote site knows what its clock was
+    slewed by since. None from a sender that does not tell.
     """
 
     remote_minus_local_ns: Difference
     uncertainty_ns: Count
     measured_ns: Count
+    remote_ahead_ns: Difference | None = None
 
 
 class HandArm(Message, frozen=True):

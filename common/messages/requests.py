@@ -5,7 +5,7 @@ from typing import Annotated
 
 import msgspec
 
-from common.messages.base import Count, Message, Name, Text, Vector3
+from common.messages.base import Count, Difference, Message, Name, Text, Vector3
 from common.messages.hand import HandPoint, Locks
 from common.messages.recording import EpisodeOutcome
 from common.messages.robot import Asker, Pose
@@ -147,10 +147,14 @@ class ClockQuestion(Message, frozen=True):
 
 
 class ClockAnswer(Message, frozen=True):
-    """When the question was received and when it was answered, by the remote site's clock."""
+    """When the question was received and when it was answered, by the remote site's clock.
+
+    `ahead_ns` is by how much that host's steady time was ahead of the clock then (`common/steady_time.py`).
+    """
 
     received_ns: Count
     answered_ns: Count
+    ahead_ns: Difference = 0
 
 
 class TroubleReport(Message, frozen=True):

@@ -7,6 +7,10 @@ import msgspec
 
 from common.messages.base import Count, Message, Name, Text
 
+# Far beyond what can be, and small enough that sums of them are finite.
+AgeMs = Annotated[float, msgspec.Meta(ge=0, le=1e12)]
+RateHz = Annotated[float, msgspec.Meta(ge=0, le=1e6)]
+
 
 class CameraStatus(StrEnum):
     """Whether a camera shows the cell as it is now."""
@@ -49,8 +53,8 @@ class ViewCame(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     """The newest picture of one camera received by the console's host, its age then, and the rate of arrival."""
 
     seq: Count
-    age_ms: Annotated[float, msgspec.Meta(ge=0)]
-    fps: Annotated[float, msgspec.Meta(ge=0)]
+    age_ms: AgeMs
+    fps: RateHz
 
 
 class ViewShown(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -61,8 +65,8 @@ class ViewShown(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
     seq: Count
     capture_ns: Count
-    age_ms: Annotated[float, msgspec.Meta(ge=0)]
-    fps: Annotated[float, msgspec.Meta(ge=0)]
+    age_ms: AgeMs
+    fps: RateHz
     came: ViewCame
 
 

@@ -1,10 +1,12 @@
 """A daemon's lifecycle: stop signals, READY and WATCHDOG to systemd, scheduling."""
 
+import math
 import os
 import resource
+import select
 import signal
 import socket
-import threading
+import weakref
 
 import structlog
 
@@ -12,10 +14,16 @@ STOP_SIGNALS = (signal.SIGTERM, signal.SIGINT)
 
 
 class StopFlag:
-    """Set by a signal; loops poll it or wait for it."""
+    """Set by a signal; loops poll it or wait for it.
+
+    A plain flag, and a counter of the kernel that stays readable once it is set: a lock, as an event has one, would be
+    waited for for ever by a handler that has interrupted its holder.
+    """
 
     def __init__(self) -> None:
-        self._event = threading.Event()
+        self._is_set = False
+        self._woken = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        weakref.finalize(self, os.close, self._woken)
 
     def install(self, signals: tuple[signal.Signals, ...] = STOP_SIGNALS) -> None:
         """Catch the signals, SIGTERM and SIGINT by default, in this process; call from its main thread."""
@@ -23,15 +31,20 @@ class StopFlag:
             signal.signal(number, lambda *_: self.set())
 
     def set(self) -> None:
-        """Set the flag, as a signal would."""
-        self._event.set()
+        """Set the flag, as a signal would; from any thread."""
+        self._is_set = True
+        os.eventfd_write(self._woken, 1)
 
     def __call__(self) -> bool:
-        return self._event.is_set()
+        return self._is_set
 
     def wait(self, timeout_s: float) -> bool:
         """Wait for the flag; True once it is set."""
-        return self._event.wait(timeout_s)
+        if not self._is_set and timeout_s > 0:
+            waiting = select.poll()
+            waiting.register(self._woken, select.POLLIN)
+            waiting.poll(math.ceil(timeout_s * 1e3))
+        return self._is_set
 
 
 def notify(state: str) -> None:

@@ -8,9 +8,11 @@ from pathlib import Path
 
 from common.cameras.camera import Camera
 from common.cameras.controls import CURE
-from common.cameras.live import LiveCamera
+from common.cameras.given_rate import LEAST_SHARE
+from common.cameras.live import CURE_OF_RATE, LiveCamera
 from common.cameras.settings import AS_IT_IS, CameraSettings
 from common.cameras.sources import Source, open_camera
+from common.clock import NS_PER_S
 from common.errors import CalibrationError, CameraError
 from farhand.doctor.findings import Finding, error, ok, warning
 from farhand.doctor.processes import holder_of_device, is_ours
@@ -20,6 +22,7 @@ from local_site.tracking.config import Method
 from local_site.tracking.foreground.arm_colour import is_grey
 
 PICTURE_TIMEOUT_S = 10.0
+RATE_NS = 2 * NS_PER_S  # in which a camera's pictures are counted
 OLD_CALIBRATION_DAYS = 90
 SECONDS_PER_DAY = 86400.0
 LEAST_LEVEL = 30.0  # of 255: a darker picture, as a camera's first one may be, shows no colours in any case
@@ -29,7 +32,8 @@ LEAST_LEVEL = 30.0  # of 255: a darker picture, as a camera's first one may be, 
 class CameraFacts:
     """A camera that was tried: its picture's size (width, height), or what went wrong, or who holds the device.
 
-    `state` is what a live camera does, and by whom its frames are stamped, in words. `is_grey` is whether its picture
+    `state` is what a live camera does, and by whom its frames are stamped, in words. `slow_fps` is how many pictures a
+    second it gave where it states more. `is_grey` is whether its picture
     is bright enough to show colours and has none.
     """
 
@@ -40,6 +44,7 @@ class CameraFacts:
     holder: str = ""
     state: str = ""
     is_grey: bool = False
+    slow_fps: float | None = None
 
 
 def probe_camera(name: str, source: Source, fps: float, settings: CameraSettings = AS_IT_IS) -> CameraFacts:
@@ -61,7 +66,7 @@ def _first_picture(name: str, source: Source, fps: float, settings: CameraSettin
     try:
         camera = open_camera(source, name, fps, settings=settings)
         try:
-            frame = camera.read()
+            frame, slow_fps = camera.read(), _slow_fps(camera)
         finally:
             camera.close()
     except CameraError as wrong:
@@ -71,7 +76,23 @@ def _first_picture(name: str, source: Source, fps: float, settings: CameraSettin
     height, width = frame.image.shape[:2]
     picture = as_colour(frame.image)
     colourless = float(picture.mean()) > LEAST_LEVEL and is_grey(picture)
-    return CameraFacts(name, str(source), (width, height), state=_state_of(camera), is_grey=colourless)
+    return CameraFacts(
+        name, str(source), (width, height), state=_state_of(camera), is_grey=colourless, slow_fps=slow_fps
+    )
+
+
+def _slow_fps(camera: Camera) -> float | None:
+    """How many pictures a second a live camera gives, where that is less than it states."""
+    if not isinstance(camera, LiveCamera) or camera.state.fps is None:
+        return None
+    count, first = 0, camera.read()
+    last = first
+    while first is not None and last is not None and last.capture_ns - first.capture_ns < RATE_NS:
+        count, last = count + 1, camera.read()
+    if first is None or last is None:
+        return None
+    fps = count * NS_PER_S / (last.capture_ns - first.capture_ns)
+    return fps if fps < LEAST_SHARE * camera.state.fps else None
 
 
 def _state_of(camera: Camera) -> str:
@@ -85,6 +106,9 @@ def check_camera(facts: CameraFacts) -> Finding:
     check = f"camera {facts.name}"
     if facts.size_px is not None:
         width, height = facts.size_px
+        if facts.slow_fps is not None:
+            given = f"{facts.source} gives {facts.slow_fps:.1f} pictures a second, and states: {facts.state}"
+            return warning(check, given, CURE_OF_RATE)
         return ok(check, f"{facts.source} gives {facts.state or f'pictures of {width} x {height}'}")
     if is_ours(facts.holder):
         return ok(check, f"{facts.source} is in use by {facts.holder}, which is running")

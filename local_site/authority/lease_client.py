@@ -84,13 +84,16 @@ class Authority:
         self._stop.set()
         self._thread.join(END_PATIENCE_S)
 
-    def lease_and_clock(self, now_ns: int) -> LeaseAndClock:
-        """The current lease and clock offset; RefusedError when both sites cannot or may not talk to each other."""
+    def lease_and_clock(self, now_ns: int, captured_ns: int | None = None) -> LeaseAndClock:
+        """The current lease and clock offset, for a sample of this capture so that it is never taken for younger.
+
+        RefusedError when both sites cannot or may not talk to each other.
+        """
         if self._refused is not None:
             raise self._refused
         if not self._thread.is_alive():
             raise ProcessError("the thread that keeps the lease has died")
-        known = self._remote_clock.estimate(now_ns)
+        known = self._remote_clock.estimate(now_ns, captured_ns)
         return LeaseAndClock(self._policy.held(now_ns), _sync(known) if known is not None else None)
 
     def _run(self) -> None:
@@ -201,5 +204,8 @@ class Authority:
 def _sync(known: ClockEstimate) -> ClockSync:
     offset = known.offset
     return ClockSync(
-        remote_minus_local_ns=offset.offset_ns, uncertainty_ns=offset.uncertainty_ns, measured_ns=known.measured_ns
+        remote_minus_local_ns=offset.offset_ns,
+        uncertainty_ns=offset.uncertainty_ns,
+        measured_ns=known.measured_ns,
+        remote_ahead_ns=known.their_ahead_ns,
     )

@@ -110,7 +110,7 @@ class SampleSender:
         now_ns = self._clock.now_ns()
         for _ in range(INTENT.depth):
             self._take_intent(now_ns)
-        held = self._authority.lease_and_clock(now_ns)
+        held = self._authority.lease_and_clock(now_ns, estimate.t_ns)
         intent = unless_in_force(self._intent.at(now_ns), self._watch.settings)
         self._publisher.put(self._sampler.sample(estimate, self._hand, held.lease, held.clock, intent, now_ns, read_ns))
 

@@ -1,14 +1,32 @@
 """Control's end of the recording: each tick and each message into the ring, only while a recorder is there."""
 
+from itertools import islice
+
 from common.clock import Clock
-from common.messages.recording import RecordingState
+from common.errors import MessageError
+from common.messages.recording import EpisodeOutcome, RecordingState
+from common.process.log import RefusalLog
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.link import RobotReport
 from remote_site.recording.cycle_record import encode_input, encode_outcome, outcome_of
 from remote_site.recording.memory import RecordingMemory
-from remote_site.recording.records import ENCODER, STATES, PassedMessage, RecordedTick, RecordOrder
+from remote_site.recording.records import ENCODER, PassedMessage, RecordedTick, RecordOrder, decode_state
 from remote_site.shared_ring import RingReader
 from remote_site.teleop.cycle import Command, CycleInput
+
+STATES_PER_LOOK = 400  # more than the ring holds of them
+# What is told of a recorder that is there and cannot be understood: it may be recording, and every page has to know.
+UNREADABLE = RecordingState(
+    writing=True,
+    on_request=False,
+    operator_pictures=False,
+    episode=0,
+    episode_open=False,
+    task="",
+    outcome=EpisodeOutcome.UNKNOWN,
+    lost=0,
+    alarm="a recorder is there whose state cannot be read: end it, and start farhand record of this site's release",
+)
 
 
 class ControlTap:
@@ -21,6 +39,7 @@ class ControlTap:
         self._memory, self._clock = memory, clock
         self._status = RingReader(memory.status)
         self._state: RecordingState | None = None
+        self._refusals = RefusalLog("a recorder's state is refused")
         self._messages: list[PassedMessage] = []
         self._ticks = 0
         self._is_watched = memory.has_recorder(clock.now_ns())
@@ -52,6 +71,14 @@ class ControlTap:
 
     def state(self, now_ns: int) -> RecordingState | None:
         """What the recorder does, None while none is there."""
-        while (newest := self._status.take()) is not None:
-            self._state = STATES.decode(newest)
+        told = list(islice(iter(self._status.take, None), STATES_PER_LOOK))
+        if told:
+            self._state = self._decoded(told[-1])
         return self._state if self._memory.has_recorder(now_ns) else None
+
+    def _decoded(self, data: bytes) -> RecordingState:
+        try:
+            return decode_state(data)
+        except MessageError as error:
+            self._refusals.note(error)
+            return UNREADABLE

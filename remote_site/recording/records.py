@@ -2,8 +2,11 @@
 
 import msgspec
 
+from common.errors import MessageError
+from common.messages.base import MOST_TEXT
 from common.messages.recording import EpisodeOutcome, RecordingState
 from common.messages.requests import RecordAction
+from common.text import cut
 
 
 class RecordedTick(msgspec.Struct, frozen=True, array_like=True, tag="tick"):
@@ -48,4 +51,18 @@ Kept = RecordedTick | PassedMessage | FullPicture
 ENCODER = msgspec.msgpack.Encoder()
 KEPT = msgspec.msgpack.Decoder(Kept)
 ORDERS = msgspec.msgpack.Decoder(RecordOrder)
-STATES = msgspec.msgpack.Decoder(RecordingState)
+STATES = msgspec.msgpack.Decoder(dict[str, object])
+
+
+def decode_state(data: bytes) -> RecordingState:
+    """What a recorder wrote of itself; MessageError for anything else.
+
+    A recorder of the next release may tell more: what it adds is left out, and text is cut to what a message holds.
+    """
+    try:
+        told = STATES.decode(data)
+        known = {name: told[name] for name in RecordingState.__struct_fields__ if name in told}
+        short = {name: cut(value, MOST_TEXT) if isinstance(value, str) else value for name, value in known.items()}
+        return msgspec.convert(short, RecordingState)
+    except (msgspec.DecodeError, ValueError, RecursionError) as error:
+        raise MessageError("invalid", f"no state of a recorder: {error}") from error

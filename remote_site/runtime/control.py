@@ -19,6 +19,7 @@ from common.messages.robot import FOLLOWING, SessionState
 from common.process.children import Heartbeat
 from common.process.log import RefusalLog, log_summary
 from common.process.service import StopFlag, ask_for_real_time
+from common.steady_time import HostTime, host_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink, RobotReport
@@ -40,7 +41,7 @@ from remote_site.runtime.state_pace import StatePace
 from remote_site.safety.collision import CollisionModel
 from remote_site.session.lease import LeaseServer
 from remote_site.session.requests import SessionRequest
-from remote_site.session.samples import NamedSample
+from remote_site.session.samples import NamedSample, as_of_now
 from remote_site.session.state_machine import Answer
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.views import PostureMirror
@@ -117,7 +118,15 @@ class Inbox:
     another's samples or requests; stops have theirs, which no other request displaces.
     """
 
-    def __init__(self, link: Link, cell: str, refusals: RefusalLog, operators: Sequence[str]) -> None:
+    def __init__(
+        self,
+        link: Link,
+        cell: str,
+        refusals: RefusalLog,
+        operators: Sequence[str],
+        read_clocks: Callable[[], HostTime] = host_time,
+    ) -> None:
+        self._read_clocks = read_clocks
         self._hands = [link.latest(HAND, cell, operator=operator) for operator in operators]
         refused = refusals.note
         self._stops = [link.answer(STOP, cell, refused, operator=operator) for operator in operators]
@@ -128,7 +137,8 @@ class Inbox:
 
     def samples(self) -> list[NamedSample]:
         """The hand samples that have arrived, each operator's oldest first."""
-        return [sample for hand in self._hands for sample in self._taken(hand)]
+        ahead_ns = self._read_clocks().ahead_ns
+        return [sample for hand in self._hands for sample in self._taken(hand, ahead_ns)]
 
     def requests(self, now_ns: int) -> list[Waiting]:
         """At most one stop and one other request of each operator and of maintenance, with what answers each.
@@ -142,7 +152,7 @@ class Inbox:
             *(_waiting(asked.action, operator, asked.id, reply) for operator, asked, reply in others),
         ]
 
-    def _taken(self, hand: Latest[HandArm]) -> Iterator[NamedSample]:
+    def _taken(self, hand: Latest[HandArm], ahead_ns: int) -> Iterator[NamedSample]:
         for _ in range(HAND.depth):
             try:
                 named = hand.take_named()
@@ -151,7 +161,8 @@ class Inbox:
                 continue
             if named is None:
                 return
-            yield NamedSample(*named)
+            operator, sample = named
+            yield NamedSample(operator, as_of_now(sample, ahead_ns))
 
 
 class ControlLoop:

@@ -25,6 +25,7 @@ from common.messages.requests import (
 from common.messages.robot import Asker, Pose
 from common.messages.shapes import GripperDescription, ShapesDescription
 from common.process.link_log import TroubleLog
+from common.steady_time import host_time
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -86,7 +87,8 @@ class RequestServer:
         self._probes.poll(engaged=engaged)
 
     def _time(self, received_ns: int) -> ClockAnswer:
-        return ClockAnswer(received_ns=received_ns, answered_ns=self._clock.now_ns())
+        ahead_ns = host_time().ahead_ns
+        return ClockAnswer(received_ns=received_ns, answered_ns=self._clock.now_ns(), ahead_ns=ahead_ns)
 
     def _describe(self, _question: DescribeQuestion) -> Description:
         return self._description

@@ -4,10 +4,14 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from msgspec.structs import replace
+
 from common.geometry import Array
 from common.messages.base import Vector3
 from common.messages.hand import HandArm
 from remote_site.reasons import Reason
+
+MOST_NS = 2**63 - 1  # that a message holds
 
 
 class NamedSample(NamedTuple):
@@ -15,6 +19,23 @@ class NamedSample(NamedTuple):
 
     operator: str
     sample: HandArm
+
+
+def as_of_now(sample: HandArm, ahead_ns: int) -> HandArm:
+    """The sample with the clocks' offset of now; `ahead_ns` is by how much steady time is ahead of our clock.
+
+    What our clock was slewed by, or stood still in a suspend, since the offset was measured is taken off it. A sample
+    whose numbers cannot be so has none.
+    """
+    clock = sample.clock
+    if clock is None or clock.remote_ahead_ns is None:
+        return sample
+    since_ns = ahead_ns - clock.remote_ahead_ns
+    offset_ns, measured_ns = clock.remote_minus_local_ns - since_ns, clock.measured_ns - since_ns
+    if not (-MOST_NS <= offset_ns <= MOST_NS and 0 <= measured_ns <= MOST_NS):
+        return replace(sample, clock=None)
+    now = replace(clock, remote_minus_local_ns=offset_ns, measured_ns=measured_ns, remote_ahead_ns=ahead_ns)
+    return replace(sample, clock=now)
 
 
 @dataclass(frozen=True, slots=True)

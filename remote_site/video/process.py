@@ -3,7 +3,7 @@
 import mmap
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ from common.errors import CameraError, MessageError
 from common.link.channels import KEY_FRAMES
 from common.messages.robot import VideoLink
 from common.messages.video import CameraStatus, KeyFrameRequest, VideoFrame, ViewsShown
+from common.process.log import RefusalLog
 from common.process.service import be_nice
 from remote_site.video.config import VideoConfig
 from remote_site.video.full_pictures import FullPictures
@@ -135,7 +136,7 @@ class _CameraSlot:
 
 @dataclass(slots=True)
 class _Console:
-    """The reports of the operator's console, and the settings that follow; invalid ones are logged once.
+    """The reports of the operator's console, and the settings that follow; refused ones are counted, and logged once.
 
     While somebody holds the lease only the holder's console counts: a viewer on a narrow link must not
     degrade the operator's pictures. Without a lease every console counts.
@@ -143,7 +144,7 @@ class _Console:
 
     wire: VideoWire
     adaptation: Adaptation
-    refused: bool = False
+    refusals: RefusalLog = field(default_factory=lambda: RefusalLog("a console's report of its views is refused"))
     reported_ns: int = 0
     heard_ns: int = 0
 
@@ -162,25 +163,31 @@ class _Console:
         try:
             named = source()
         except MessageError as error:
-            if not self.refused:
-                structlog.get_logger().warning("a console's report of its views is refused", reason=str(error))
-            self.refused = True
+            self.refusals.note(error)
             return
         if named is None:
             return
         operator, shown = named
         if self.wire.lease() in (None, LeaseInForce(shown.lease, operator)):
-            self.adaptation.update(shown, now_ns)
+            self._follow(shown, now_ns)
             self.heard_ns = now_ns
+
+    def _follow(self, shown: ViewsShown, now_ns: int) -> None:
+        """Adapt to a report; numbers of another host that no estimate can be made of cost that estimate alone."""
+        try:
+            self.adaptation.update(shown, now_ns)
+        except (ArithmeticError, LookupError, ValueError) as error:
+            self.adaptation.forget()
+            self.refusals.note(MessageError("impossible", f"nothing follows from its numbers ({error!r})"))
 
 
 @dataclass(slots=True)
 class _KeyFrameRequests:
-    """Requests of any viewer, passed to the camera's stream; invalid ones are logged once."""
+    """Requests of any viewer, passed to the camera's stream; refused ones are counted, and logged once."""
 
     source: Callable[[], KeyFrameRequest | None]
     streams: Mapping[str, CameraStream]
-    refused: bool = False
+    refusals: RefusalLog = field(default_factory=lambda: RefusalLog("a viewer's request for a key frame is refused"))
 
     def listen(self) -> None:
         try:
@@ -188,9 +195,7 @@ class _KeyFrameRequests:
                 if request.camera in self.streams:
                     self.streams[request.camera].want_key_frame(request.after_seq)
         except MessageError as error:
-            if not self.refused:
-                structlog.get_logger().warning("a viewer's request for a key frame is refused", reason=str(error))
-            self.refused = True
+            self.refusals.note(error)
 
 
 def run_video(

@@ -19,6 +19,7 @@ from bench.stand_ins.hand_path import ScriptedPath
 from common.clock import NS_PER_S
 from common.config import load_config
 from common.geometry import Array, vector_from_rotation
+from common.link.config import LinkSecurity
 from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.link.transport import Link, open_link
@@ -82,6 +83,16 @@ class CellPair:
     def control(self) -> str:
         """The remote site's control endpoint."""
         return self._setup.control
+
+    @property
+    def video(self) -> str:
+        """The remote site's endpoint of pictures."""
+        return self._setup.video
+
+    @property
+    def security(self) -> LinkSecurity:
+        """How the operator's links connect."""
+        return self._setup.security
 
     @property
     def folder(self) -> Path:

@@ -9,6 +9,7 @@ from tests.faults.acts import control_gets, hand, impair, kill_local, robot
 from tests.faults.cell_pair import CellPair
 from tests.faults.engagement_plays import kill_video, late_hand, reset_under_key, trickle
 from tests.faults.far_plays import cut_shortly, far, jump_of_delay, over, too_far
+from tests.faults.foreign_plays import record_strangely, slew_the_operator
 from tests.faults.forgery import (
     counting_ones,
     flood,
@@ -64,6 +65,7 @@ RESTART = CellPair.start_local
 AUTOMATIC = ("engagement.mode=automatic", f"engagement.automatic_accepted={ACCEPTANCE}")
 HELD = ("engagement.mode=hold_to_run",)
 WATCHED = ('video.cameras=[{name="front_high"},{name="front_low"},{name="side"},{name="gripper"}]', "video.quality=100")
+VIEWED = ('video.cameras=[{name="side"}]', "video.width=320", "video.height=240")
 NARROW = ("robot.position_deg.joint_1=[-20,20]",)
 BEYOND = (*NARROW, "driver.options.stands_at=0.4363 0 -0.7854 0 -0.7854 0")
 LONG_S = float(os.environ.get("FARHAND_FAULTS_LONG_S", "600"))
@@ -106,6 +108,8 @@ ROWS = (
     Row("consent for another", "void, with the name of who asks now", changed_asker, protocol="tls"),
     Row("70 viewers connect, and the process that serves them is killed", "follows; stops are answered, also that of a new session; the site goes on", watch_in_crowds, protocol="tls"),
     Row("2000 samples a second without the lease", "refused, the arm follows", outlast(lambda pair: flood(pair, 5.0), 0.95)),
+    Row("a recorder of the next release writes an unknown field and an alarm of 1000 characters", "refused or cut, and told; the arm follows", record_strangely),
+    Row("the operator's clock is slewed by 8 %", "the arm follows; video and site live", slew_the_operator, settings=VIEWED),
     Row("driver raises", "LATCH, the loop ticks", faulty(robot(raises=True), robot(raises=False), says="ZeroDivisionError")),
     Row("driver blocks 200 ms", "deadline 50 ms, LATCH, the loop ticks", faulty(robot(blocks_ms=200), robot(), says="ms", more_s=0.2)),
     Row("robot reports a fault", "code mirrored, " + FAULTS, faulty(robot(fault="robot"), robot(fault=""), says="robot (E42)"), quick=True),

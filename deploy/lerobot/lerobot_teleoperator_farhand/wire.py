@@ -1,11 +1,11 @@
-"""What this package needs of Farhand's wire protocol, version 14: three messages, as docs/wire-protocol.md has them."""
+"""What this package needs of Farhand's wire protocol, version 15: three messages, as docs/wire-protocol.md has them."""
 
 import struct
 from typing import Any, NamedTuple
 
 import msgpack
 
-VERSION = 14
+VERSION = 15
 MOST_BYTES, MOST_ITEMS = 16384, 64
 STATE_FIELDS = 30  # of RobotState, in their order; the first ones are named below
 SESSION, SEQ, T_NS, STATE, CODE, REASON = range(6)
@@ -61,7 +61,7 @@ def cell_state(payload: bytes) -> CellState:
 
 def clock_times(payload: bytes) -> tuple[int, int]:
     """When the remote site received a question for its clock, and when it answered: ns by its clock."""
-    received_ns, answered_ns = _fields(payload)
+    received_ns, answered_ns, _ahead_ns = _fields(payload)
     return int(received_ns), int(answered_ns)
 
 

@@ -80,7 +80,7 @@ class Adaptation:
         self._full = StreamSetting(config.quality, 1.0, config.fps)
         self._new_choice = partial(CodecChoice, config.codec, encodes=h264)
         self._sent = {camera.name: SentPictures() for camera in config.cameras}
-        self._reported_ns = 0
+        self._reported_ns = self._newest_told_ns = 0
         self._older: deque[int] = deque(maxlen=OLDER_CONSOLES)
         self._forget(None)
 
@@ -106,8 +106,12 @@ class Adaptation:
     def setting(self, camera: str, now_ns: int) -> StreamSetting:
         """How the camera's next picture is to be sent."""
         if self._console is not None and now_ns - self._reported_ns > SHOWN.stale_after_ns:
-            self._forget(None)
+            self.forget()
         return self._settings[camera]
+
+    def forget(self) -> None:
+        """Follow no console, until one reports again."""
+        self._forget(None)
 
     def narrow(self, now_ns: int) -> VideoLink | None:
         """What to report of a link that is too narrow for the pictures; None while it carries all."""
@@ -129,13 +133,19 @@ class Adaptation:
         return True
 
     def _told_ns(self, shown: ViewsShown, now_ns: int) -> int:
-        """When a report would have come without a delay on the way back, which says nothing about the pictures' way."""
-        return shown.sent_ns + round(self._way_back.see(now_ns - shown.sent_ns, now_ns))
+        """When a report would have come without a delay on the way back, which says nothing about the pictures' way.
+
+        Where the console's clock loses time that would be ever earlier, so it is never before the report before.
+        """
+        told_ns = shown.sent_ns + round(self._way_back.see(now_ns - shown.sent_ns, now_ns))
+        self._newest_told_ns = max(self._newest_told_ns, told_ns)
+        return self._newest_told_ns
 
     def _forget(self, console: int | None) -> None:
         """Reset for another console, or for none."""
         self._console = console
         self._link, self._page, self._way_back = LinkRate(), PageRate(), Least()
+        self._newest_told_ns = 0
         self._choice = self._new_choice()
         self._settings = dict.fromkeys(self._sent, replace(self._full, codec=self._choice.codec))
         for sent in self._sent.values():

@@ -25,6 +25,7 @@ WAITING_MS = 100.0  # queueing delay in excess of which less and less is sent, s
 DRAINED_MS = 300.0
 LEAST_DRAINING = 0.05
 WINDOW_NS = 250 * NS_PER_MS  # and a round trip
+MOST_REPORTS = 256  # far more than come in that time from a clock that runs
 QUIET_NS = 3 * NS_PER_S
 GROWTH_PER_S = 1.6
 CAUTIOUS_GROWTH_PER_S = 1.03  # near the rate at which it was full twice; more quality is worth no late pictures
@@ -32,6 +33,7 @@ GROWTH_BEYOND_PER_S = 6.0
 KNOWN = 2.0  # times what it carries now: nothing shows that a link carries more
 BEYOND = 1.5  # more comes than when it was full: the link has changed, find out quickly
 ENOUGH = 1.1
+LONGEST_STEP_S = 1.0  # of growth for one report, however long the console says that it has not reported
 LEAST_BYTES_PER_S = 10_000.0
 
 
@@ -84,7 +86,7 @@ class LinkRate:
         self._least_delay, self._least_round_trip = Least(), Least()
         self._in_time_ns = 0
         self._reduced_ns: int | None = None
-        self._reports: deque[tuple[int, Arrivals]] = deque()
+        self._reports: deque[tuple[int, Arrivals]] = deque(maxlen=MOST_REPORTS)
 
     def report(self, arrivals: Arrivals, wanted_bytes_per_s: float, now_ns: int, *, cautious: bool) -> None:
         """What the console told, how many bytes a second full quality would take, and how to try more."""
@@ -167,7 +169,7 @@ class LinkRate:
     def _try_more(self, carries: float, wanted_bytes_per_s: float, seconds: float, *, cautious: bool) -> None:
         growth = CAUTIOUS_GROWTH_PER_S if cautious and self._is_known else GROWTH_PER_S
         growth = GROWTH_BEYOND_PER_S if self._rate() > BEYOND * self._when_full else growth
-        more = min(carries * growth**seconds, max(carries, KNOWN * self._rate()))
+        more = min(carries * growth ** min(seconds, LONGEST_STEP_S), max(carries, KNOWN * self._rate()))
         self._carries = None if USED * more > ENOUGH * wanted_bytes_per_s else more
 
     def _rate(self) -> float:

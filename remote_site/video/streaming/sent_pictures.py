@@ -89,6 +89,7 @@ class SentPictures:
             self._sent_bytes = carried = 0  # some of it was sent before the console was there
             self._passed_ns.clear()
         newest, (sent, self._sent_bytes) = self._newest, (self._sent_bytes, 0)
+        told_ns = max(told_ns, newest.sent_ns)  # nobody tells of a picture before it was sent
         on_their_way = [one for one in self._waiting if one.sent_ns <= told_ns]
         return Arrivals(
             sent_bytes=sent,

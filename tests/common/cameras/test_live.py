@@ -1,7 +1,11 @@
 """A running camera: what it is asked for is verified, and its frames are stamped by its driver or by their arrival."""
 
+import math
+
 import cv2
+import numpy as np
 import pytest
+from structlog.testing import capture_logs
 
 from common.cameras.live import LiveCamera
 from common.cameras.settings import CameraSettings
@@ -152,6 +156,110 @@ def test_frames_that_waited_since_the_opening_are_dropped(clock):
     assert frame.seq == 0
     assert capture.waiting == 0
     assert frame.capture_ns > before_ns - 20 * NS_PER_MS
+
+
+class Troubled(FakeCapture):
+    """A camera that spoils the pictures of some reads, by their number."""
+
+    def __init__(self, clock, spoilt):
+        super().__init__(clock)
+        self.spoilt, self.reads, self.rate = spoilt, 0, 30.0
+
+    def read(self):
+        self.reads += 1
+        if self.rate < 30.0:
+            self.clock.advance_ms(1e3 / self.rate - 1e3 / 30.0)
+        ok, image = super().read()
+        spoil = self.spoilt(self.reads)
+        return spoil() if spoil is not None else (ok, image)
+
+
+def raises():
+    raise cv2.error("cannot decode")
+
+
+SPOILT = {
+    "no picture": lambda: (False, None),
+    "none although it says so": lambda: (True, None),
+    "another size": lambda: (True, np.zeros((8, 8, 3), np.uint8)),
+    "16 bits": lambda: (True, np.zeros((480, 640), np.uint16)),
+    "an error": raises,
+}
+
+
+@pytest.mark.parametrize("spoil", SPOILT.values(), ids=SPOILT)
+def test_a_picture_that_is_lost_is_skipped_counted_and_said_once(clock, spoil):
+    capture = Troubled(clock, lambda number: spoil if number > 20 and number % 7 == 0 else None)
+    camera = opened(capture)
+    with capture_logs() as lines:
+        frames = [camera.read() for _ in range(60)]
+    assert [frame.seq for frame in frames] == list(range(60))
+    assert all(frame.image.shape == (480, 640, 3) for frame in frames)
+    assert camera.lost == sum(number % 7 == 0 for number in range(21, capture.reads + 1)) > 5
+    assert [line["event"] for line in lines] == ["a picture was lost"]
+
+
+def test_a_camera_that_gives_no_more_is_given_up_after_two_seconds(clock):
+    camera = opened(Troubled(clock, lambda number: SPOILT["no picture"] if number > 20 else None))
+    with pytest.raises(CameraError, match="delivers no more frames; was it unplugged"):  # noqa: PT012
+        while True:
+            began_ns = clock.now_ns()
+            camera.read()
+    assert 2.0 <= (clock.now_ns() - began_ns) / NS_PER_S < 2.2
+
+
+def test_a_camera_that_is_closed_while_it_is_read_gives_up_at_once(clock):
+    camera = opened(Troubled(clock, lambda number: closes if number > 20 else None))
+
+    def closes():
+        camera.close()
+        return False, None
+
+    with pytest.raises(CameraError, match="unplugged"):  # noqa: PT012
+        while True:
+            began_ns = clock.now_ns()
+            camera.read()
+    assert clock.now_ns() - began_ns < NS_PER_S / 10
+
+
+def test_stamps_that_are_no_numbers_are_no_stamps(clock):
+    capture = FakeCapture(clock)
+    camera = opened(capture)
+    camera.read()
+    capture.stamp_shift_ns = math.inf
+    assert camera.read().capture_estimated
+
+
+def rates_said(camera, capture, rate, seconds):
+    capture.rate, end_ns = rate, capture.clock.now_ns() + seconds * NS_PER_S
+    with capture_logs() as lines:
+        while capture.clock.now_ns() < end_ns:
+            camera.read()
+    return [(line["event"], line["fps"]) for line in lines]
+
+
+def test_a_camera_that_states_30_and_gives_15_is_said_and_so_is_its_end(clock):
+    capture = Troubled(clock, lambda _: None)
+    camera = opened(capture)
+    assert rates_said(camera, capture, 30.0, 20) == []
+    assert rates_said(camera, capture, 29.97, 20) == []
+    ((event, fps),) = rates_said(camera, capture, 15.0, 30)
+    assert event == "a camera gives too few pictures"
+    assert float(fps) == pytest.approx(15.0, abs=0.5)
+    assert rates_said(camera, capture, 30.0, 30) == [("a camera gives as many pictures as it states", "30")]
+
+
+def test_neither_a_slow_start_nor_a_slow_reader_is_the_cameras_fault(clock):
+    capture = Troubled(clock, lambda _: None)
+    camera = opened(capture)
+    assert rates_said(camera, capture, 5.0, 1) == []
+    assert rates_said(camera, capture, 30.0, 10) == []
+    with capture_logs() as lines:
+        for _ in range(300):
+            clock.advance_ms(95)  # as long as it takes somebody to use a picture
+            capture.waiting = 1
+            camera.read()
+    assert lines == []
 
 
 @pytest.mark.parametrize(("frames", "words"), [(0, "delivers no frame; does another program use it"), (5, "unplugged")])

@@ -95,7 +95,12 @@ SETTINGS = OperatorSettings(
     lease=1311768467463790321, revision=2, scale=0.5, rotation_scale=0.25, locks=Locks(z=True, roll=True)
 )
 INTENT = Intent(hold=True, settings=SETTINGS, assist="block")
-CLOCKS = ClockSync(remote_minus_local_ns=-3_600_000_000_123, uncertainty_ns=81_000, measured_ns=1_234_000_000)
+CLOCKS = ClockSync(
+    remote_minus_local_ns=-3_600_000_000_123,
+    uncertainty_ns=81_000,
+    measured_ns=1_234_000_000,
+    remote_ahead_ns=-270_927_093,
+)
 HAND = HandArm(
     session=81985529216486895,
     seq=42,
@@ -284,7 +289,7 @@ VALID: dict[str, Message] = {
     "recording": RecordingNotice(state=RECORDING),
     "joints": JOINTS,
     "clock_question": ClockQuestion(),
-    "clock": ClockAnswer(received_ns=10**9, answered_ns=10**9 + 50),
+    "clock": ClockAnswer(received_ns=10**9, answered_ns=10**9 + 50, ahead_ns=-270_927_093),
     "describe": DescribeQuestion(),
     "description": DESCRIPTION,
     "trouble": TroubleReport(reason="UDP is blocked"),

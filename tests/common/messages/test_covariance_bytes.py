@@ -49,3 +49,7 @@ def test_what_is_no_covariance_is_refused() -> None:
     for packed in (b"", bytes(5), b"\x05\x05\x05\x80\x00\x00", "text", None):
         with pytest.raises(MessageError):
             unpack_covariance(packed)
+
+
+def test_a_covariance_far_beyond_its_variances_is_clipped() -> None:
+    assert pack_covariance((5e-324, 1e300, -1e300, 5e-324, 1e300, 1e-6))[3:] == bytes((127, 129, 127))

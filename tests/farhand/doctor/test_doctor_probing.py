@@ -25,6 +25,7 @@ from common.link.transport import open_link
 from common.messages.requests import ClockAnswer
 from farhand.cli import app
 from farhand.doctor.cameras import check_camera, probe_camera, probe_rig
+from farhand.doctor.findings import Severity
 from farhand.doctor.processes import holder_of_device, listener_on
 from farhand.doctor.run import examine, which_site
 from farhand.doctor.site import probe_clock, probe_port
@@ -90,6 +91,24 @@ def test_a_live_camera_tells_what_it_does_and_where_it_does_otherwise(monkeypatc
     refused = check_camera(probe_camera("left", 97, 30.0, CameraSettings(fps=50.0)))
     assert "gives 60 fps, asked were 50" in refused.sentence
     assert "v4l2-ctl -d /dev/video97" in refused.cure
+
+
+class HalfAsQuick(FakeCapture):
+    """States its rate, and gives half of it, as in a dim room."""
+
+    def read(self) -> tuple[bool, object]:
+        self.clock.advance_ms(1e3 / 30)
+        return super().read()
+
+
+def test_a_live_camera_that_gives_half_of_what_it_states_is_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = FakeClock(3600 * 10**9)
+    live = partial(LiveCamera, open_source=lambda _: HalfAsQuick(clock), clock=clock)
+    monkeypatch.setattr("common.cameras.sources.LiveCamera", live)
+    finding = check_camera(probe_camera("left", 97, 30.0))
+    assert finding.level is Severity.WARNING
+    assert "gives 15.0 pictures a second, and states: 640 x 480, YUYV, 30 fps" in finding.sentence
+    assert "exposure_ms" in finding.cure
 
 
 def test_settings_of_a_camera_that_the_rig_lacks_are_a_mistake(tmp_path: Path) -> None:

@@ -70,7 +70,7 @@ class Alone:
 
     session = 1
 
-    def lease_and_clock(self, _now_ns):
+    def lease_and_clock(self, _now_ns, _captured_ns=None):
         return LeaseAndClock()
 
 

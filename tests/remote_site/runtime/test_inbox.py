@@ -6,14 +6,17 @@ from contextlib import ExitStack
 
 import pytest
 
-from common.link.channels import ANY, ENGAGEMENT, MAINTENANCE, MAINTENANCE_STOP, STOP
+from common.link.channels import ANY, ENGAGEMENT, HAND, MAINTENANCE, MAINTENANCE_STOP, STOP
 from common.link.transport import PENDING_REQUESTS, Link, open_link
 from common.messages.codec import encode
+from common.messages.hand import ClockSync
 from common.messages.requests import EngagementAction, EngagementRequest, StopRequest
 from common.process.log import RefusalLog
+from common.steady_time import HostTime
 from remote_site.runtime.control import MAINTENANCE_NAME, Inbox
 from remote_site.session.requests import SessionRequest
 from tests.common.link.secured_cell import free_port, until
+from tests.remote_site.remote_loop import hand
 
 CELL = "lab"
 APART_S = 0.003  # requests that follow each other immediately are dropped on arrival
@@ -67,3 +70,20 @@ def test_a_stop_is_never_displaced_and_comes_first(
     assert len(waiting) == 2
     assert waiting[0] == SessionRequest(EngagementAction.STOP, asker, maintenance=asker == MAINTENANCE_NAME)
     assert waiting[1].action is EngagementAction.ENGAGE
+
+
+def test_the_offset_in_a_sample_is_led_on_by_what_this_clock_was_slewed_since(links: list[Link]) -> None:
+    site, operator, _ = links
+    inbox = Inbox(site, CELL, RefusalLog(), ("anna",), read_clocks=lambda: HostTime(10**9, 5_000))
+    clock = ClockSync(remote_minus_local_ns=70, uncertainty_ns=3, measured_ns=10_000, remote_ahead_ns=1_000)
+    hands, came = operator.publisher(HAND, CELL, operator="anna"), []
+
+    def arrives() -> bool:
+        hands.put(hand(1, 1, clock=clock))
+        came.extend(inbox.samples())
+        return bool(came)
+
+    until(arrives)
+    now = came[0].sample.clock
+    assert now is not None
+    assert (now.remote_minus_local_ns, now.measured_ns) == (70 - 4_000, 6_000)

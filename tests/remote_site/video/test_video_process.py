@@ -247,3 +247,23 @@ def test_a_console_of_another_release_is_told_once_and_delays_nothing(monkeypatc
         run_video(config, None, VideoWire(seen.append, [refuse]), lambda: len(seen) > 5, int)
     assert [entry["event"] for entry in logs] == ["a console's report of its views is refused"]
     assert {m.status for m in seen} == {CameraStatus.LIVE}
+
+
+def test_numbers_that_no_estimate_can_be_made_of_are_told_once_and_end_nothing(monkeypatch):
+    monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
+    monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
+    seen: list[VideoFrame] = []
+
+    def beyond_every_sum() -> tuple[str, ViewsShown]:
+        came = ViewCame(seq=seen[-1].seq if seen else 0, age_ms=1.7e308, fps=1.7e308)
+        view = ViewShown(seq=0, capture_ns=0, age_ms=0.0, fps=1.7e308, came=came)
+        views = {"side": view, "front": view}
+        return "anna", ViewsShown(session=1, lease=0, h264=False, sent_ns=0, views=views)
+
+    cameras = (CameraConfig(name="side", source="0"), CameraConfig(name="front", source="1"))
+    with capture_logs() as logs:
+        run_video(
+            VideoConfig(cameras=cameras), None, VideoWire(seen.append, [beyond_every_sum]), lambda: len(seen) > 9, int
+        )
+    assert [entry["event"] for entry in logs] == ["a console's report of its views is refused"]
+    assert {m.status for m in seen} == {CameraStatus.LIVE}
