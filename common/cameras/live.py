@@ -8,6 +8,7 @@ from common.cameras.camera import Frame, Image
 from common.cameras.controls import V4L2, CameraState, VideoCapture, check_state, read_back, set_up
 from common.cameras.modes import device_of
 from common.cameras.settings import AS_IT_IS, CameraSettings
+from common.cameras.shown_source import shown_source
 from common.cameras.stamps import DriverStamps
 from common.clock import NS_PER_MS, Clock, MonotonicClock
 from common.errors import CameraError
@@ -43,7 +44,7 @@ class LiveCamera:
         clock: Clock | None = None,
     ) -> None:
         self.name = name
-        self._source = source
+        self._source = shown_source(source)
         self._settings = settings
         self._clock = clock or MonotonicClock()
         self._stamps = DriverStamps()
@@ -51,7 +52,9 @@ class LiveCamera:
         self._last_ns = 0
         self._capture = open_source(source)
         if not self._capture.isOpened():
-            raise CameraError(f"camera {name}: cannot open {source}; is it plugged in, and may this user read it?")
+            raise CameraError(
+                f"camera {name}: cannot open {self._source}; is it plugged in, and may this user read it?"
+            )
         try:
             set_up(self._capture, settings, wished_fps)
             self.state: CameraState = self._verified()
