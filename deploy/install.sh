@@ -67,10 +67,11 @@ check() {
 
 systemd_runs() { [ -z "$root" ] && [ -d /run/systemd/system ]; }
 
+# Python is called with -I: root may stand in a folder of somebody else's, and nothing there is imported.
 install_all() {
-  "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
+  "$python" -I -c 'import sys; sys.exit(sys.version_info < (3, 11))' ||
     fail "Farhand needs Python 3.11 or newer: PYTHON=/path/to/python3.11 deploy/install.sh"
-  "$python" -c 'import ensurepip' 2>/dev/null ||
+  "$python" -I -c 'import ensurepip' 2>/dev/null ||
     fail "Python lacks its venv module; on Debian: apt-get install python3-venv"
   check_visible
   make_user
@@ -91,7 +92,7 @@ install_all() {
 check_visible() {
   if [ -n "$root" ]; then return; fi
   local prefix
-  prefix=$("$python" -c 'import os, sys; print(os.path.realpath(sys.base_prefix))')
+  prefix=$("$python" -I -c 'import os, sys; print(os.path.realpath(sys.base_prefix))')
   case $prefix/ in
     /home/* | /root/* | /run/user/*)
       fail "home folders are hidden from the services, and this Python is in $prefix: PYTHON=/usr/bin/python3 deploy/install.sh" ;;
@@ -123,8 +124,8 @@ copy_source() {
 
 make_environment() {
   local venv=$home/.venv
-  if ! "$venv/bin/python" -c '' 2>/dev/null; then run "$python" -m venv --clear "$venv"; fi
-  run "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+  if ! "$venv/bin/python" -I -c '' 2>/dev/null; then run "$python" -I -m venv --clear "$venv"; fi
+  run "$venv/bin/python" -I -m pip install --quiet --disable-pip-version-check \
     --constraint "$home/source/constraints.txt" "$home/source[sim,video,learned]"
   run rm -rf "$home/source/build"
   if [ -n "$root" ]; then
@@ -175,7 +176,7 @@ compile() {
   if [ -n "$root" ]; then return; fi
   if [ -z "$dry" ]; then echo "Compiling the tracker (once, up to a minute) ..."; fi
   run runuser --user farhand -- env --chdir "$state" NUMBA_CACHE_DIR="$cache/numba" \
-    "$home/.venv/bin/python" -m local_site.runtime.warm_up
+    "$home/.venv/bin/python" -I -m local_site.runtime.warm_up
 }
 
 uninstall_all() {

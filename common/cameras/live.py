@@ -13,6 +13,7 @@ from common.cameras.controls import V4L2, CameraState, VideoCapture, check_state
 from common.cameras.given_rate import GivenRate
 from common.cameras.modes import device_of
 from common.cameras.settings import AS_IT_IS, CameraSettings
+from common.cameras.shown_source import shown_source
 from common.cameras.stamps import DriverStamps
 from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import CameraError
@@ -54,7 +55,7 @@ class LiveCamera:
         clock: Clock | None = None,
     ) -> None:
         self.name = name
-        self._source = source
+        self._source = shown_source(source)
         self._settings = settings
         self._clock = clock or MonotonicClock()
         self._stamps = DriverStamps()
@@ -62,7 +63,9 @@ class LiveCamera:
         self._is_closed = False
         self._capture = open_source(source)
         if not self._capture.isOpened():
-            raise CameraError(f"camera {name}: cannot open {source}; is it plugged in, and may this user read it?")
+            raise CameraError(
+                f"camera {name}: cannot open {self._source}; is it plugged in, and may this user read it?"
+            )
         try:
             set_up(self._capture, settings, wished_fps)
             self.state: CameraState = self._verified()

@@ -11,6 +11,7 @@ from common.cameras.camera import Camera, Frame, Image
 from common.cameras.images import ImageFolder
 from common.cameras.live import LiveCamera
 from common.cameras.settings import AS_IT_IS, CameraSettings
+from common.cameras.shown_source import shown_source
 from common.clock import NS_PER_S
 from common.errors import CameraError, ConfigError
 
@@ -94,7 +95,8 @@ def open_camera(
     if path.exists():
         return VideoFile(path, name, fps)
     raise CameraError(
-        f"camera {name}: {source} does not exist; give a device number, a URL, a video file or a folder of images"
+        f"camera {name}: {shown_source(source)} does not exist; give a device number, a URL, a video file or a folder "
+        "of images"
     )
 
 

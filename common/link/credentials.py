@@ -48,7 +48,7 @@ def load_credentials(tls: TlsConfig, table: str = TABLE) -> Credentials:
         except OSError as error:
             raise TransportError(f"{table}.{what}: cannot read {path}: {error.strerror}") from error
     try:
-        certificate = _shake_hands(client_context(tls), _server_context(tls))
+        certificate = _shake_hands(*_own_contexts(tls))
     except ssl.SSLCertVerificationError as error:
         raise TransportError(f"{table}.certificate: {tls.certificate} {verdict(error)}") from error
     except ssl.SSLError as error:
@@ -127,7 +127,7 @@ class CertificateValidity:
 
     def __init__(self, tls: TlsConfig, table: str = TABLE) -> None:
         self._tls, self._table = tls, table
-        self._contexts = (client_context(tls), _server_context(tls)) if tls.is_given else None
+        self._contexts = _own_contexts(tls) if tls.is_given else None
 
     def check(self) -> None:
         """TransportError once the certificate has expired; takes about 2 ms."""
@@ -158,17 +158,19 @@ def verdict(error: ssl.SSLCertVerificationError) -> str:
     return VERDICTS.get(error.verify_code, f"is refused: {error.verify_message}")
 
 
-def _server_context(tls: TlsConfig) -> ssl.SSLContext:
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.verify_mode = ssl.CERT_REQUIRED
-    context.load_verify_locations(cafile=tls.ca)
-    context.load_cert_chain(tls.certificate, tls.key)
-    return context
+def _own_contexts(tls: TlsConfig) -> tuple[ssl.SSLContext, ssl.SSLContext]:
+    """Client and server of a handshake with itself, in which the server judges: not every certificate is a server's."""
+    client = client_context(tls)
+    client.check_hostname, client.verify_mode = False, ssl.CERT_NONE
+    server = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    server.verify_mode = ssl.CERT_REQUIRED
+    server.load_verify_locations(cafile=tls.ca)
+    server.load_cert_chain(tls.certificate, tls.key)
+    return client, server
 
 
 def _shake_hands(client_side: ssl.SSLContext, server_side: ssl.SSLContext) -> Any:
     """The client's certificate as `getpeercert` returns it, after a handshake in memory; SSLError when it fails."""
-    client_side.check_hostname = False  # the certificate is for this site's hosts, and none is contacted
     to_server, to_client = ssl.MemoryBIO(), ssl.MemoryBIO()
     client = client_side.wrap_bio(to_client, to_server)
     server = server_side.wrap_bio(to_server, to_client, server_side=True)

@@ -5,7 +5,7 @@ import ssl
 
 from common.link.credentials import Credentials, client_context, common_name, verdict
 from common.link.endpoints import Endpoint
-from common.link.roles import Identity, Role, read_common_name
+from common.link.roles import LISTENERS, Identity, Role, read_common_name
 
 TIMEOUT_S = 0.9
 # Zenoh closes the connection on an empty message; within TLS that shows that it has accepted our certificate.
@@ -14,7 +14,6 @@ TLS_ALERT = b"\x15"  # the content type of a TLS record (RFC 8446, section 5.1)
 VIEWERS_CURE = (
     "viewers connect to links.viewers there (of a router: viewers), with certificates of the viewers' authority"
 )
-LISTENERS = (Role.REMOTE, Role.OPERATOR, Role.ROUTER)
 ALERTS = {  # by the end of OpenSSL's reason
     "CERTIFICATE_REQUIRED": "asks for a certificate",
     "CERTIFICATE_EXPIRED": "reports that it has expired; renew it where the authority is kept: farhand certificates "
@@ -57,9 +56,17 @@ def speaks_tls(endpoint: Endpoint) -> bool:
 
 
 def identity_refusal(listener_name: str, endpoint: str, own: Identity) -> str | None:
-    """Why a listener whose certificate has this common name is wrong; None for a site or the router of our cell."""
+    """Why a listener whose certificate has this common name is wrong; None for a site or the router of our cell.
+
+    Of local sites an operator's own alone is right.
+    """
     identity = read_common_name(listener_name)
-    if identity is not None and identity.role in LISTENERS and identity.cell == own.cell:
+    if (
+        identity is not None
+        and identity.cell == own.cell
+        and identity.role in LISTENERS
+        and identity.operator in (None, own.operator)
+    ):
         return None
     return (
         f"{endpoint} is not the remote site of cell {own.cell}: the listener there shows the certificate of "

@@ -19,6 +19,7 @@ EVERYBODY = frozenset(Role) - {Role.ROUTER}  # a router only passes messages on
 OPERATORS = frozenset({Role.OPERATOR})
 REMOTES = frozenset({Role.REMOTE})
 MAINTAINERS = frozenset({Role.MAINTENANCE})
+LISTENERS = frozenset({Role.REMOTE, Role.OPERATOR, Role.ROUTER})  # the others only connect
 CELL_NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,31}")
 COMMON_NAME = re.compile(rf"([a-z]+)(?:\.({CELL_NAME.pattern}))?(?:\.({CELL_NAME.pattern}))?")
 MAX_COMMON_NAME = 64  # of X.509 (RFC 5280, ub-common-name)

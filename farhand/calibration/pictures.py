@@ -11,6 +11,7 @@ import numpy as np
 
 from common.cameras.camera import Image
 from common.cameras.images import IMAGE_SUFFIXES, write_image
+from common.cameras.shown_source import shown_source
 from common.cameras.sources import damage_of, open_camera
 from common.errors import CalibrationError, CameraError, ConfigError
 from common.geometry import Array
@@ -55,9 +56,13 @@ def read_pictures(source: str, name: str) -> list[Image]:
     if paths and all(path.is_file() and path.suffix.lower() in IMAGE_SUFFIXES for path in paths):
         return [_read(path, name) for path in paths[:MAX_PICTURES]]
     if not paths:
-        raise CameraError(f"camera {name}: no file matches {source}; put the pattern in quotes and check the folder")
+        raise CameraError(
+            f"camera {name}: no file matches {shown_source(source)}; put the pattern in quotes and check the folder"
+        )
     if not paths[0].exists():
-        raise CameraError(f"camera {name}: {source} does not exist; give a folder of pictures, a pattern or a video")
+        raise CameraError(
+            f"camera {name}: {shown_source(source)} does not exist; give a folder of pictures, a pattern or a video"
+        )
     pictures: list[Image] = []
     with closing(open_camera(source, name)) as camera:
         while len(pictures) < MAX_PICTURES and (frame := camera.read()) is not None:

@@ -10,7 +10,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from common.link.roles import Identity
+from common.link.roles import LISTENERS, Identity
 
 CLOCK_TOLERANCE = timedelta(minutes=5)  # certificates are backdated: another host's clock may be behind by this
 CA_DAYS = 3650
@@ -51,19 +51,20 @@ def make_authority(name: str, now: datetime) -> Issued:
 
 
 def issue(authority: Issued, identity: Identity, hosts: Sequence[str], now: datetime, valid: timedelta) -> Issued:
-    """A certificate for a role at a cell, for both server and client use, valid for `valid` from `now` (UTC).
+    """A certificate for a role at a cell, a client's, and a server's too where that role listens.
 
-    `hosts` are the names or IP addresses under which others reach the holder.
+    It is valid for `valid` from `now` (UTC); `hosts` are the names or IP addresses under which others reach the holder.
     """
     key = ec.generate_private_key(ec.SECP256R1())
     issuer_key = authority.key.public_key()
     alternative_names = x509.SubjectAlternativeName([_general_name(host) for host in hosts])
-    server_and_client = x509.ExtendedKeyUsage([ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH])
+    as_server = [ExtendedKeyUsageOID.SERVER_AUTH] if identity.role in LISTENERS else []
+    uses = x509.ExtendedKeyUsage([*as_server, ExtendedKeyUsageOID.CLIENT_AUTH])
     certificate = (
         _builder(_distinguished_name(identity.common_name), authority.certificate.subject, key.public_key(), now, valid)
         .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
         .add_extension(alternative_names, critical=False)
-        .add_extension(server_and_client, critical=False)
+        .add_extension(uses, critical=False)
         .add_extension(_key_usage(signs_certificates=False), critical=True)
         .add_extension(x509.AuthorityKeyIdentifier.from_issuer_public_key(issuer_key), critical=False)
         .sign(authority.key, hashes.SHA256())

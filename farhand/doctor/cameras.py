@@ -11,6 +11,7 @@ from common.cameras.controls import CURE
 from common.cameras.given_rate import LEAST_SHARE
 from common.cameras.live import CURE_OF_RATE, LiveCamera
 from common.cameras.settings import AS_IT_IS, CameraSettings
+from common.cameras.shown_source import shown_source
 from common.cameras.sources import Source, open_camera
 from common.clock import NS_PER_S
 from common.errors import CalibrationError, CameraError
@@ -50,19 +51,20 @@ class CameraFacts:
 def probe_camera(name: str, source: Source, fps: float, settings: CameraSettings = AS_IT_IS) -> CameraFacts:
     """Set a camera up and read a picture, within PICTURE_TIMEOUT_S, unless another process holds its device."""
     device = Path(f"/dev/video{source}" if str(source).isdecimal() else str(source))
-    holder = holder_of_device(device) if device.is_char_device() else ""
+    holder, shown = holder_of_device(device) if device.is_char_device() else "", shown_source(source)
     if holder:
-        return CameraFacts(name, str(source), holder=holder)
+        return CameraFacts(name, shown, holder=holder)
     found: list[CameraFacts] = []
     # Opening a stream may hang and cannot be interrupted; the daemon thread is then abandoned.
     thread = threading.Thread(target=lambda: found.append(_first_picture(name, source, fps, settings)), daemon=True)
     thread.start()
     thread.join(PICTURE_TIMEOUT_S)
-    timed_out = CameraFacts(name, str(source), problem=f"{source} gave no picture in {PICTURE_TIMEOUT_S:g} s")
+    timed_out = CameraFacts(name, shown, problem=f"{shown} gave no picture in {PICTURE_TIMEOUT_S:g} s")
     return found[0] if found else timed_out
 
 
 def _first_picture(name: str, source: Source, fps: float, settings: CameraSettings) -> CameraFacts:
+    shown = shown_source(source)
     try:
         camera = open_camera(source, name, fps, settings=settings)
         try:
@@ -70,15 +72,13 @@ def _first_picture(name: str, source: Source, fps: float, settings: CameraSettin
         finally:
             camera.close()
     except CameraError as wrong:
-        return CameraFacts(name, str(source), problem=str(wrong).removeprefix(f"camera {name}: "))
+        return CameraFacts(name, shown, problem=str(wrong).removeprefix(f"camera {name}: "))
     if frame is None:
-        return CameraFacts(name, str(source), problem=f"{source} holds no picture")
+        return CameraFacts(name, shown, problem=f"{shown} holds no picture")
     height, width = frame.image.shape[:2]
     picture = as_colour(frame.image)
     colourless = float(picture.mean()) > LEAST_LEVEL and is_grey(picture)
-    return CameraFacts(
-        name, str(source), (width, height), state=_state_of(camera), is_grey=colourless, slow_fps=slow_fps
-    )
+    return CameraFacts(name, shown, (width, height), state=_state_of(camera), is_grey=colourless, slow_fps=slow_fps)
 
 
 def _slow_fps(camera: Camera) -> float | None:

@@ -48,6 +48,6 @@ def _open_files(process: Path) -> Iterator[str]:
 
 def _name_of(process: Path) -> str:
     """The name that `ps` shows; started as a module, Farhand would be called python there."""
-    words = (process / "cmdline").read_bytes().split(b"\0")
+    command = (process / "cmdline").read_bytes()
     name = (process / "comm").read_text().strip()
-    return "farhand" if name.startswith("python") and words[1:3] == [b"-m", b"farhand"] else name
+    return "farhand" if name.startswith("python") and b"\0-m\0farhand\0" in command else name

@@ -83,7 +83,12 @@ class SiteProcess:
 
 def start_site(name: str, arguments: Sequence[str], runtime: Path) -> SiteProcess:
     """Start a command of this installation; `runtime` is the folder of its state, to end with whoever starts it."""
-    return SiteProcess(name, [sys.executable, "-m", "farhand", name, *arguments], {"STATE_DIRECTORY": str(runtime)})
+    return SiteProcess(name, module_command("farhand", name, *arguments), {"STATE_DIRECTORY": str(runtime)})
+
+
+def module_command(module: str, *arguments: str) -> list[str]:
+    """The command that runs a module of this installation, whatever the working folder holds."""
+    return [sys.executable, "-P", "-m", module, *arguments]
 
 
 def free_ports(count: int) -> list[int]:

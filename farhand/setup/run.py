@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from common.cameras.camera import Camera
 from common.cameras.settings import CameraSettings, given
+from common.cameras.shown_source import shown_source
 from common.config import load_config
 from common.errors import CameraError, InterruptionError, ModelError
 from farhand.doctor.findings import Severity, as_text, worst
@@ -68,7 +69,8 @@ def _keeps(person: SetupPerson, what: str) -> bool:
 
 
 def _cameras(folder: SetupFolder, answers: SetupAnswers, person: SetupPerson, tools: Tools) -> SetupAnswers:
-    if answers.sources and _keeps(person, f"the cameras, left {answers.left}, right {answers.right}"):
+    kept = ", ".join(f"{name} {shown_source(source)}" for name, source in answers.sources.items())
+    if kept and _keeps(person, f"the cameras, {kept}"):
         return answers
     pictures = try_cameras(tools.find(), tools.open, person)
     left, right = choose_cameras(pictures, folder.thumbnails, person)

@@ -11,6 +11,7 @@ import msgspec
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
+from common.cameras.shown_source import shown_source
 from common.cameras.sources import recorded_fps
 from common.errors import ConfigError
 from farhand.tracking.recorded_pairs import refuse_odd_rate, refuse_other_rates, stated_pairs
@@ -67,7 +68,7 @@ def run_track(sources: TrackSources, outputs: TrackOutputs, should_stop: Callabl
         prepare_tracker(site.tracking)
         stated = stated_pairs(cameras)
         show = opened.enter_context(_shown_progress(stated))
-        named = [(camera.name, source) for camera, source in zip(rig.cameras, given, strict=True)]
+        named = [(camera.name, shown_source(source)) for camera, source in zip(rig.cameras, given, strict=True)]
         origin = origin_rows(sources.rig, named, site, fps, version("farhand"), datetime.now(UTC))
         results = outputs.results(fps, origin)
         summary = track_recording(rig, left, others, results, show, site, should_stop)

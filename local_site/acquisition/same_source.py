@@ -7,6 +7,7 @@ from pathlib import Path
 
 from common.cameras.images import IMAGE_SUFFIXES
 from common.cameras.modes import device_of
+from common.cameras.shown_source import shown_source
 from common.cameras.sources import Source
 from common.errors import ConfigError
 
@@ -15,9 +16,8 @@ def refuse_same(sources: Mapping[str, Source]) -> None:
     """ConfigError if two of the sources, by the names of their cameras, are one, by path, link or content."""
     for (first, one), (second, other) in combinations(sources.items(), 2):
         if why := _likeness(str(one), str(other)):
-            raise ConfigError(
-                f"cameras {first} and {second}: {one} and {other} {why}; give each camera a source of its own"
-            )
+            both = f"{shown_source(one)} and {shown_source(other)}"
+            raise ConfigError(f"cameras {first} and {second}: {both} {why}; give each camera a source of its own")
 
 
 def _likeness(one: str, other: str) -> str:

@@ -19,8 +19,8 @@ MOST_AT_ONCE = 5000  # records: a step must not outlast the recorder's beat
 class SiteAttachment:
     """Finds the site's memory when it appears, beats while it is there, and lets go of it when the site has ended."""
 
-    def __init__(self, path: Path) -> None:
-        self._path, self._waits = path, wait_for_site(path)
+    def __init__(self, place: Path) -> None:
+        self._place, self._waits = place, wait_for_site(place)
         self._memory: RecordingMemory | None = None
         self._readers: tuple[RingReader, ...] = ()
         self._orders: RingReader | None = None
@@ -31,7 +31,7 @@ class SiteAttachment:
     def close(self) -> None:
         """Wait for no site any more."""
         if self._waits is not None:
-            stop_waiting(self._path, self._waits)
+            stop_waiting(self._waits)
             self._waits = None
 
     @property
@@ -89,7 +89,7 @@ class SiteAttachment:
 
     def _attach(self) -> None:
         try:
-            self._memory = RecordingMemory.attach(self._path)
+            self._memory = RecordingMemory.attach(self._place)
         except ProcessError as error:
             if str(error) != self._refused:
                 self._refused = str(error)

@@ -4,17 +4,23 @@ import errno
 import fcntl
 import mmap
 import os
-import stat
-import zlib
 from pathlib import Path
 from typing import Self
 
 from common.clock import NS_PER_S
 from common.errors import ProcessError
-from remote_site.link_config import RemoteLinksConfig
+from remote_site.recording.memory_files import (
+    OPENING,
+    ROOT,
+    WAITING,
+    is_held,
+    make_file,
+    own_files,
+    owners,
+    remove_left,
+)
 from remote_site.shared_ring import SharedRing
 
-FOLDER = Path("/dev/shm")  # noqa: S108  # files are made exclusively, and their owner is checked
 PAGE = mmap.PAGESIZE
 MAGIC = b"farhand1"
 BEAT_AT, TAKEN_AT = 64, 72
@@ -25,13 +31,6 @@ SIZES = TICKS_BYTES, PICTURES_BYTES, REQUESTS_BYTES, STATUS_BYTES
 WHOLE = PAGE + sum(SIZES)
 GONE_NS = 5 * NS_PER_S  # on a machine that does much else it may stand still for long, and the rings wait for it
 AWAITED_NS = 25 * NS_PER_S  # from its start a site leaves its cycles for a recorder that waited: the ring holds more
-OWNER_ONLY = 0o600
-
-
-def memory_path(cell: str, links: RemoteLinksConfig) -> Path:
-    """Where the site of this cell and these endpoints has its memory."""
-    endpoints = f"{links.control} {links.router}".encode()
-    return FOLDER / f"farhand-{cell}-{zlib.crc32(endpoints):08x}"
 
 
 class RecordingMemory:
@@ -53,44 +52,48 @@ class RecordingMemory:
         self.ticks, self.pictures, self.requests, self.status = parts
 
     @classmethod
-    def create(cls, path: Path, now_ns: int) -> Self:
-        """New memory in the place of what an earlier run left; ProcessError where it cannot be made.
+    def create(cls, place: Path, now_ns: int) -> Self:
+        """New memory instead of what an earlier run left; ProcessError where it cannot be made.
 
         Create it before the fork: while the site or a process of it lives, the file is locked. A recorder that waits
         for this site counts as there from now on, however late it is scheduled.
         """
-        awaited = _is_awaited(path)
+        awaited, folder = _is_awaited(place), place.parent
         try:
-            handle = _new_file(path, WHOLE if awaited else PAGE)
+            path, handle = _new_file(place, WHOLE if awaited else PAGE)
         except OSError as error:
-            see = f"see who owns it, remove it, and start the site again: ls -l {path}"
-            cure = _free_room(path, "site") if error.errno == errno.ENOSPC else see
-            raise ProcessError(f"nothing can be recorded: {path} cannot be made: {error.strerror}; {cure}") from error
+            cure = _free_room(folder, "site") if error.errno == errno.ENOSPC else f"see: ls -ld {folder}"
+            raise ProcessError(f"nothing can be recorded in {folder}: {error.strerror}; {cure}") from error
         made = cls(path, handle)
         made._beat[0] = now_ns + AWAITED_NS - GONE_NS if awaited else now_ns - GONE_NS
         made._magic[:] = MAGIC
         return made
 
     @classmethod
-    def attach(cls, path: Path) -> Self | None:
-        """The memory of the site that runs, None while none does.
+    def attach(cls, place: Path) -> Self | None:
+        """The memory of the site that runs, None while none does; files of other users are none of this site's.
 
-        ProcessError for what is another user's, and where another process has attached to it.
+        ProcessError where only another user has one, where root finds those of several, and where another process has
+        attached to it.
         """
+        live = [path for path in own_files(place) if is_held(path)]
+        found = (memory for path in live if (memory := cls._attached(path)) is not None)
+        others = owners(place) - {os.geteuid()}
+        if others and (not live if os.geteuid() != ROOT else len(others) > 1):
+            names = " and ".join(map(str, sorted(others)))
+            raise ProcessError(f"{place}-* is of user {names}: run the recorder as the user of the remote site")
+        return next(found, None)
+
+    @classmethod
+    def _attached(cls, path: Path) -> Self | None:
+        """The memory in this file, None while it is being made or once its site has ended."""
         try:
-            handle = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+            handle = os.open(path, OPENING)
         except FileNotFoundError:
             return None
-        except OSError as error:
-            cure = "run the recorder as the user of the remote site"
-            raise ProcessError(f"{path} cannot be opened: {error.strerror}; {cure}") from error
-        facts = os.fstat(handle)
-        if os.geteuid() not in (facts.st_uid, 0) or not stat.S_ISREG(facts.st_mode) or facts.st_mode & 0o077:
+        if os.fstat(handle).st_size != WHOLE:
             os.close(handle)
-            raise ProcessError(f"{path} is not a site's: another user owns it, or may write to it; remove it")
-        if facts.st_size != WHOLE:
-            os.close(handle)
-            return None  # it is being made
+            return None
         memory = cls(path, handle)
         if memory._magic != MAGIC or memory.is_left():
             memory.close()
@@ -114,7 +117,7 @@ class RecordingMemory:
         except OSError as error:
             self.close()
             raise ProcessError(
-                f"nothing can be recorded: {error.strerror}; {_free_room(self.path, 'recorder')}"
+                f"nothing can be recorded: {error.strerror}; {_free_room(self.path.parent, 'recorder')}"
             ) from error
 
     def is_left(self) -> bool:
@@ -157,59 +160,44 @@ class RecordingMemory:
             return False
 
 
-def wait_for_site(path: Path) -> int | None:
+def wait_for_site(place: Path) -> tuple[Path, int] | None:
     """Show a site that is still to start that a recorder waits; the handle keeps it so, None where another waits."""
-    try:
-        handle = os.open(_waiting(path), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, OWNER_ONLY)
-    except OSError as error:
-        cure = "run the recorder as the user of the remote site"
-        raise ProcessError(f"{_waiting(path)} cannot be made: {error.strerror}; {cure}") from error
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(handle)
+    if _is_awaited(place):
         return None
-    return handle
+    remove_left(place, WAITING)
+    try:
+        return make_file(place, WAITING)
+    except OSError as error:
+        raise ProcessError(
+            f"no recorder can wait in {place.parent}: {error.strerror}; see: ls -ld {place.parent}"
+        ) from error
 
 
-def stop_waiting(path: Path, handle: int) -> None:
+def stop_waiting(waits: tuple[Path, int]) -> None:
     """Take back what `wait_for_site` has shown."""
-    _waiting(path).unlink(missing_ok=True)
+    path, handle = waits
+    path.unlink(missing_ok=True)
     os.close(handle)
 
 
-def _new_file(path: Path, room_bytes: int) -> int:
-    """A file of the whole size, locked, with room for its first bytes; in the place of an earlier one."""
-    path.unlink(missing_ok=True)
-    handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC | os.O_NOFOLLOW, OWNER_ONLY)
+def _new_file(place: Path, room_bytes: int) -> tuple[Path, int]:
+    """A file of the whole size, with room for its first bytes; what an earlier run left goes."""
+    remove_left(place)
+    path, handle = make_file(place)
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         os.ftruncate(handle, WHOLE)
         os.posix_fallocate(handle, 0, room_bytes)
     except OSError:
         os.close(handle)
         path.unlink(missing_ok=True)
         raise
-    return handle
+    return path, handle
 
 
-def _free_room(path: Path, who: str) -> str:
-    return f"free {WHOLE >> 20} MB in {path.parent}, and start the {who} again"
+def _free_room(folder: Path, who: str) -> str:
+    return f"free {WHOLE >> 20} MB in {folder}, and start the {who} again"
 
 
-def _waiting(path: Path) -> Path:
-    return path.with_name(f"{path.name}.waiting")
-
-
-def _is_awaited(path: Path) -> bool:
-    try:
-        handle = os.open(_waiting(path), os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
-    except OSError:
-        return False  # nobody waits who may read what this user leaves
-    try:
-        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    finally:
-        os.close(handle)
-    return False
+def _is_awaited(place: Path) -> bool:
+    """Whether a recorder of this user waits: no other may read what this user leaves."""
+    return any(is_held(path) for path in own_files(place, WAITING))

@@ -12,7 +12,7 @@ from common.recording.guarded import GuardedRecording
 from common.recording.session import RecordingPlan
 from remote_site.config import RemoteConfig
 from remote_site.recording.attachment import SiteAttachment
-from remote_site.recording.memory import memory_path
+from remote_site.recording.memory_files import memory_place
 from remote_site.recording.recorder import CellRecorder
 
 POLL_S = 0.05
@@ -21,7 +21,7 @@ BEAT_S = 0.25
 
 def record_cell(config: RemoteConfig, plan: RecordingPlan, date: Callable[[], datetime], should_stop: StopFlag) -> None:
     """Record the site of this configuration until asked to stop, whenever it runs."""
-    site, ended = SiteAttachment(memory_path(config.cell, config.links)), threading.Event()
+    site, ended = SiteAttachment(memory_place(config.cell, config.links)), threading.Event()
     recorder = CellRecorder(config, GuardedRecording(plan, date), site)
     beats = threading.Thread(target=_beat, args=(site, ended), name="beat", daemon=True)
     beats.start()

@@ -28,7 +28,8 @@ from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.kinematics.limits import load_arm
 from remote_site.link_config import VIEWERS_TABLE
-from remote_site.recording.memory import RecordingMemory, memory_path
+from remote_site.recording.memory import RecordingMemory
+from remote_site.recording.memory_files import memory_place
 from remote_site.recording.video_tap import VideoTap
 from remote_site.runtime.assist_memory import AssistMemory
 from remote_site.runtime.checks import check_robot, say_what_is_not_guarded
@@ -201,7 +202,7 @@ def _assist_memory(config: RemoteConfig) -> AssistMemory | None:
 def _recording_memory(config: RemoteConfig) -> RecordingMemory | None:
     """What a recorder attaches to; None, with the reason in the log, where it cannot be made: nothing else needs it."""
     try:
-        return RecordingMemory.create(memory_path(config.cell, config.links), time.monotonic_ns())
+        return RecordingMemory.create(memory_place(config.cell, config.links), time.monotonic_ns())
     except ProcessError as error:
         structlog.get_logger().error("no recording", reason=str(error))
         return None

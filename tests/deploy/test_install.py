@@ -5,6 +5,7 @@ A stand-in for Python makes the environment, so that nothing is downloaded.
 
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import pytest
 PROJECT = Path(__file__).parents[2]
 INSTALLER = PROJECT / "deploy" / "install.sh"
 STAND_IN = """#!/bin/sh
+if [ "$1" = -I ]; then shift; fi
 case "$1 $2" in
   "-m venv") mkdir -p "$4/bin" && cp "$0" "$4/bin/python" ;;
   "-m pip") for source in "$@"; do :; done
@@ -147,3 +149,17 @@ def test_an_unknown_option_is_refused() -> None:
     done = subprocess.run([INSTALLER, "--purge"], check=False, capture_output=True, text=True)
     assert done.returncode == 2
     assert "usage: deploy/install.sh" in done.stderr
+
+
+def test_nothing_of_the_working_folder_is_run(tmp_path: Path) -> None:
+    """As root, in a folder of somebody else's; a dry run asks Python, and prints how it would call it."""
+    for name in ("ensurepip", "pip", "venv"):
+        (tmp_path / f"{name}.py").write_text("import pathlib; pathlib.Path('ran').touch()")
+    done = subprocess.run(
+        [INSTALLER, "--root", tmp_path / "root", "--dry-run"], check=True, capture_output=True, text=True, cwd=tmp_path,
+        env=os.environ | {"PYTHON": sys.executable},
+    )  # fmt: skip
+    assert not (tmp_path / "ran").exists()
+    calls = [line.partition(" -m ") for line in done.stdout.splitlines() if " -m " in line]
+    assert [after.split()[0] for _, _, after in calls] == ["venv", "pip"]
+    assert all(before.endswith(" -I") for before, _, _ in calls)

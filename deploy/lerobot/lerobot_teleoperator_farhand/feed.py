@@ -1,12 +1,12 @@
 """A cell's newest state over Zenoh, and how old it is by the cell's own clock."""
 
-import json
 import threading
 import time
 from typing import NamedTuple
 
 import zenoh
 
+from lerobot_teleoperator_farhand.session import open_session, stranger
 from lerobot_teleoperator_farhand.wire import CellState, WireError, cell_state, clock_times, joint_names, question
 
 NS_PER_S, NS_PER_MS = 10**9, 10**6
@@ -46,7 +46,8 @@ class StateFeed:
         self._payload: bytes | None = None
         self._offset: MeasuredOffset | None = None
         self._asked_ns = 0
-        self._session = zenoh.open(_settings(remote, ca, certificate, key))
+        self._session = open_session(cell, remote, ca, certificate, key)
+        self._names_listener = bool(ca)
         self._subscriber = self._session.declare_subscriber(f"farhand/{cell}/state", self._take)
 
     def close(self) -> None:
@@ -54,7 +55,7 @@ class StateFeed:
         self._session.close()  # type: ignore[no-untyped-call]  # zenoh leaves it unannotated
 
     def joint_names(self, timeout_s: float) -> list[str]:
-        """The names of the cell's joints; ConnectionError where nobody answers in time."""
+        """The names of the cell's joints; ConnectionError where nobody answers in time, or somebody else listens."""
         until_ns = time.monotonic_ns() + round(timeout_s * NS_PER_S)
         while time.monotonic_ns() < until_ns:
             key = f"farhand/{self._cell}/rpc/describe"
@@ -64,6 +65,11 @@ class StateFeed:
                 said = reply.err.payload.to_bytes() if reply.err is not None else b""
                 if said.startswith(b"refused: "):
                     raise ConnectionError(f"the cell {said.decode(errors='replace')}")
+            if self._names_listener and (named := stranger(self._session, self._cell)) is not None:
+                raise ConnectionError(
+                    f"the listener there shows the certificate of {named}, not that of cell {self._cell!r}: is the "
+                    "endpoint right, or does somebody impersonate the cell?"
+                )
             time.sleep(POLL_S)
         raise ConnectionError(
             f"nobody answers for cell {self._cell!r}: is its remote site running, is the endpoint right, and do the "
@@ -124,31 +130,3 @@ class StateFeed:
     def _take(self, sample: zenoh.Sample) -> None:
         with self._lock:
             self._payload = sample.payload.to_bytes()
-
-
-def _settings(remote: str, ca: str, certificate: str, key: str) -> zenoh.Config:
-    """A session that connects to one endpoint, listens nowhere, and looks for nobody."""
-    config = zenoh.Config()
-    settings = {
-        "mode": "peer",
-        "connect/endpoints": [f"{remote}?mixed_rel=1" if remote.startswith("quic/") else remote],
-        "connect/timeout_ms": -1,  # in the background, again and again
-        "connect/exit_on_failure": False,
-        "connect/retry": {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2},
-        "listen/endpoints": [],
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "transport/shared_memory/enabled": False,
-    }
-    if ca:
-        settings |= {
-            "transport/link/tls/root_ca_certificate": ca,
-            "transport/link/tls/connect_certificate": certificate,
-            "transport/link/tls/connect_private_key": key,
-            "transport/link/tls/enable_mtls": True,
-            "transport/link/tls/verify_name_on_connect": True,
-            "transport/link/tls/close_link_on_expiration": True,
-        }
-    for path, value in settings.items():
-        config.insert_json5(path, json.dumps(value))
-    return config

@@ -8,6 +8,7 @@ import pytest
 
 from common.link.endpoints import SECURED
 from common.link.roles import Identity, Role
+from farhand.certificates import issuing
 from farhand.certificates.authorities import load_authority
 from farhand.certificates.folder import CertificateOrder, add_router, create
 from farhand.certificates.issuing import issue
@@ -36,6 +37,10 @@ def pki(tmp_path_factory: pytest.TempPathFactory) -> Path:
         authority, Identity(Role.OPERATOR, CELL, ANNA), ("127.0.0.1",), now - timedelta(days=9), timedelta(days=1)
     )
     keep(folder / CELL / "aged", aged)
+    with pytest.MonkeyPatch.context() as patch:  # as all certificates were made before 0.3
+        patch.setattr(issuing, "LISTENERS", frozenset(Role))
+        for_every_use = issue(authority, Identity(Role.MAINTENANCE, CELL), ("127.0.0.1",), now, timedelta(days=1))
+    keep(folder / CELL / "earlier-maintenance", for_every_use)
     return folder
 
 

@@ -130,12 +130,24 @@ def test_tls_against_plain_tcp(pki: Path) -> None:
 
 
 @pytest.mark.parametrize("protocol", SECURED)
-def test_an_impostor_who_is_there_already(pki: Path, protocol: str) -> None:
+@pytest.mark.parametrize(
+    ("who", "why"),
+    [
+        ("earlier-maintenance", "the listener there shows the certificate of maintenance.lab"),
+        ("operator.ben", "the listener there shows the certificate of operator.lab.ben"),
+    ],
+)
+def test_an_impostor_who_is_there_already(pki: Path, protocol: str, who: str, why: str) -> None:
     endpoint = f"{protocol}/127.0.0.1:{free_port()}"
+    with dishonest(endpoint, pki, who, listen=True):
+        assert why in why_refused(endpoint, secured(pki, "operator.anna"))
+
+
+def test_a_clients_certificate_is_no_servers(pki: Path) -> None:
+    endpoint = f"tls/127.0.0.1:{free_port()}"
     with dishonest(endpoint, pki, "maintenance", listen=True):
-        assert "the listener there shows the certificate of maintenance.lab" in why_refused(
-            endpoint, secured(pki, "operator.anna")
-        )
+        why = why_refused(endpoint, secured(pki, "operator.anna"))
+    assert "the certificate shown there is not made for this use" in why
 
 
 @pytest.mark.parametrize("protocol", SECURED)
@@ -144,7 +156,7 @@ def test_an_impostor_who_comes_later_hears_nothing_and_is_not_believed(pki: Path
     with ExitStack() as stack:
         link = stack.enter_context(open_link(connect=(endpoint,), security=secured(pki, "operator.anna")))
         hand, state = link.publisher(HAND, CELL, operator=ANNA), link.latest(STATE, CELL)
-        impostor = stack.enter_context(dishonest(endpoint, pki, "maintenance", listen=True))
+        impostor = stack.enter_context(dishonest(endpoint, pki, "earlier-maintenance", listen=True))
         heard = impostor.declare_subscriber("**", zenoh.handlers.RingChannel(1), allowed_origin=zenoh.Locality.REMOTE)
         answering = impostor.declare_queryable(CLOCK.key_for(CELL), zenoh.handlers.RingChannel(1))
         until(link._session.info.links)

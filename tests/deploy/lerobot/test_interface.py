@@ -61,6 +61,9 @@ def test_what_is_configured_wrongly_is_refused_with_the_cure():
         ({"action": "hand"}, "write 'joints' or 'tool'"),
         ({"joints": JOINTS, "ca": "ca.pem"}, "give all three"),
         ({"joints": JOINTS, "remote": "tls/robot.example.org:7447"}, "needs certificates"),
+        ({"joints": JOINTS, "remote": "tcp/robot.example.org:7447"}, "anybody on the network could move your robot"),
+        ({"joints": JOINTS, "remote": "udp/127.0.0.1:7447"}, "write tls/HOST:PORT"),
+        ({"joints": JOINTS, "ca": "a", "certificate": "c", "key": "k"}, "uses no certificates"),
     ):
         with pytest.raises(ValueError, match=cure):
             FarhandTeleopConfig(**wrong)

@@ -44,12 +44,13 @@ def files(folder: Path, who: str = "remote", cell: str = "lab") -> TlsConfig:
     return TlsConfig(ca=str(folder / f"{authority}.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
 
 
-def test_every_role_has_a_certificate_for_both_directions_and_all_hosts(folder: Path) -> None:
+def test_every_role_has_a_certificate_for_all_hosts_and_is_a_server_only_where_it_listens(folder: Path) -> None:
     assert {path.stem for path in (folder / "lab").glob("*.pem")} == set(PAIRS)
     for name in PAIRS:
         certificate = read_certificate(folder / "lab" / f"{name}.pem")
         uses = certificate.extensions.get_extension_for_class(x509.ExtendedKeyUsage).value
-        assert set(uses) == {ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH}
+        as_server = set() if name in ("viewer", "maintenance") else {ExtendedKeyUsageOID.SERVER_AUTH}
+        assert set(uses) == as_server | {ExtendedKeyUsageOID.CLIENT_AUTH}
         assert hosts_of(certificate) == ["127.0.0.1", "::1", "localhost", "robot.example.org", "10.0.0.3"]
         assert certificate.not_valid_after_utc - NOW <= timedelta(days=90)
         identity = load_credentials(files(folder, name)).identity
@@ -132,7 +133,13 @@ def test_a_router_has_a_certificate_only_where_it_is_asked_for_of_one_cell_and_f
 
 
 def test_a_routers_certificate_that_names_no_cell_is_refused_with_the_cure(folder: Path) -> None:
-    anywhere = issue(load_authority(folder), SimpleNamespace(common_name="router"), ("::1",), NOW, timedelta(days=1))
+    anywhere = issue(
+        load_authority(folder),
+        SimpleNamespace(common_name="router", role=Role.ROUTER),
+        ("::1",),
+        NOW,
+        timedelta(days=1),
+    )
     for name, pem in (("router.pem", anywhere.certificate_pem), ("router.key", anywhere.key_pem)):
         (folder / "lab" / name).write_bytes(pem)
     with pytest.raises(TransportError, match=r"'router', .*: farhand certificates router CELL"):

@@ -3,6 +3,7 @@
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -63,3 +64,15 @@ def test_a_process_that_does_not_end_is_killed(monkeypatch: pytest.MonkeyPatch) 
     process.end()
     assert process.exit_code == -9
     assert process.events[-1] == "test had to be killed"
+
+
+def test_a_site_is_of_this_installation_whatever_the_working_folder_holds(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "farhand").mkdir()
+    (tmp_path / "farhand/__init__.py").write_text("raise SystemExit(7)")
+    monkeypatch.setenv("PYTHONPATH", str(Path(site_process.__file__).parents[2]))
+    monkeypatch.chdir(tmp_path)
+    process = site_process.start_site("--help", [], tmp_path)
+    until(lambda: process.exit_code is not None)
+    assert process.exit_code == 0

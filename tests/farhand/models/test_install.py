@@ -115,3 +115,15 @@ def test_the_folder_is_the_services_or_the_users(tmp_path: Path, monkeypatch: py
     assert model_folder() == tmp_path / model_files.FOLDER
     monkeypatch.setenv("CACHE_DIRECTORY", "/var/cache/farhand:/elsewhere")
     assert model_folder() == Path("/var/cache/farhand/models")
+
+
+def test_a_pip_of_the_working_folder_is_not_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`sudo farhand models install` in a folder of somebody else's."""
+    (tmp_path / "pip").mkdir()
+    (tmp_path / "pip/__init__.py").touch()
+    (tmp_path / "pip/__main__.py").write_text("import pathlib; pathlib.Path('ran').touch()")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    with pytest.raises(ModelError, match=r"--from FILE"):
+        module.install(tmp_path / "models", None, lambda _: None)
+    assert not (tmp_path / "ran").exists()

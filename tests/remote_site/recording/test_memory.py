@@ -5,7 +5,10 @@ import os
 import stat
 import subprocess
 import sys
+import traceback
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
@@ -14,7 +17,8 @@ from common.errors import ProcessError
 from common.messages.requests import ViewCalibration
 from remote_site.link_config import RemoteLinksConfig
 from remote_site.recording.camera_frames import camera_frame
-from remote_site.recording.memory import AWAITED_NS, GONE_NS, RecordingMemory, memory_path, stop_waiting, wait_for_site
+from remote_site.recording.memory import AWAITED_NS, GONE_NS, RecordingMemory, stop_waiting, wait_for_site
+from remote_site.recording.memory_files import make_file, memory_place
 from remote_site.shared_ring import RingReader
 
 NOW_NS = 10**12
@@ -22,7 +26,7 @@ NOW_NS = 10**12
 
 def test_it_is_its_owners_alone_and_takes_no_room_until_it_is_used(tmp_path: Path) -> None:
     memory = RecordingMemory.create(tmp_path / "memory", NOW_NS)
-    facts = (tmp_path / "memory").stat()
+    facts = memory.path.stat()
     assert stat.S_IMODE(facts.st_mode) == 0o600
     assert facts.st_blocks * 512 < 100_000
     memory.close()
@@ -75,8 +79,9 @@ def test_a_recorder_is_there_while_it_beats(tmp_path: Path) -> None:
 
 def test_a_recorder_that_waited_gets_what_came_before_it_was_scheduled(tmp_path: Path) -> None:
     path = tmp_path / "memory"
-    handle = wait_for_site(path)
-    assert handle is not None
+    waits = wait_for_site(path)
+    assert waits is not None
+    assert wait_for_site(path) is None
     memory = RecordingMemory.create(path, NOW_NS)
     assert memory.has_recorder(NOW_NS + AWAITED_NS - 1)
     memory.ticks.write(b"first")
@@ -86,7 +91,7 @@ def test_a_recorder_that_waited_gets_what_came_before_it_was_scheduled(tmp_path:
     assert not attached.take_over()
     attached.beat(NOW_NS + GONE_NS)
     assert not memory.has_recorder(NOW_NS + 2 * GONE_NS)
-    stop_waiting(path, handle)
+    stop_waiting(waits)
     assert not RecordingMemory.create(path, NOW_NS).has_recorder(NOW_NS)
 
 
@@ -107,7 +112,7 @@ def test_a_site_that_has_ended_is_noticed_whether_or_not_it_cleaned_up(tmp_path:
     assert found is not None
     again.remove()
     assert found.is_left()
-    assert not path.exists()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_there_is_one_recorder(tmp_path: Path) -> None:
@@ -128,22 +133,104 @@ def test_there_is_one_recorder(tmp_path: Path) -> None:
 def test_nobody_attaches_to_what_others_may_write(tmp_path: Path) -> None:
     path = tmp_path / "memory"
     memory = RecordingMemory.create(path, NOW_NS)
-    path.chmod(0o666)
+    memory.path.chmod(0o666)
     with pytest.raises(ProcessError, match="remove it"):
         RecordingMemory.attach(path)
     memory.close()
 
 
 def test_no_link_is_followed(tmp_path: Path) -> None:
-    RecordingMemory.create(tmp_path / "memory", NOW_NS).close()
-    (tmp_path / "link").symlink_to(tmp_path / "memory")
-    with pytest.raises(ProcessError):
-        RecordingMemory.attach(tmp_path / "link")
+    memory = RecordingMemory.create(tmp_path / "memory", NOW_NS)
+    memory.path.with_name(memory.path.name.replace("memory", "link")).symlink_to(memory.path)
+    assert RecordingMemory.attach(tmp_path / "link") is None
+    memory.close()
+
+
+@pytest.fixture
+def shared() -> Iterator[Path]:
+    """A folder as /dev/shm is: everybody may write to it, and remove what is their own."""
+    with TemporaryDirectory() as folder:
+        Path(folder).chmod(0o1777)
+        yield Path(folder)
+
+
+def as_user(number: int, act: Callable[[], None]) -> int:
+    """The exit code of a process of this user's that acts."""
+    if os.geteuid() != 0:
+        pytest.skip("only root may act as two users")
+    child = os.fork()
+    if child == 0:
+        try:
+            os.setgid(number)
+            os.setuid(number)
+            act()
+        except BaseException:
+            traceback.print_exc()
+            os._exit(1)
+        os._exit(0)
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+SITES_USER, OTHER_USER = 4242, 4343
+
+
+def test_files_that_another_user_made_beforehand_keep_no_site_from_being_recorded(shared: Path) -> None:
+    place = shared / "memory"
+
+    def make() -> None:
+        for name in ("memory", "memory.waiting", "memory-0000000000000000", "memory-0000000000000000.waiting"):
+            (shared / name).touch(0o600)
+        RecordingMemory.create(place, NOW_NS)
+
+    def record() -> None:
+        waits = wait_for_site(place)
+        assert waits is not None
+        RecordingMemory.create(place, NOW_NS).ticks.write(b"first")
+        attached = RecordingMemory.attach(place)
+        assert attached is not None
+        assert RingReader(attached.ticks, from_first=attached.take_over()).take() == b"first"
+
+    assert as_user(OTHER_USER, make) == 0
+    assert as_user(SITES_USER, record) == 0
+
+
+def test_a_recorder_takes_no_other_users_memory_for_the_sites(shared: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    memory = RecordingMemory.create(shared / "memory", NOW_NS)
+    monkeypatch.setattr("remote_site.recording.memory_files.os.geteuid", lambda: 4343)
+    with pytest.raises(ProcessError, match=f"is of user {os.getuid()}: run the recorder as the user"):
+        RecordingMemory.attach(shared / "memory")
+    memory.close()
+
+
+def test_root_records_a_users_site_but_guesses_none_of_two(shared: Path) -> None:
+    place = shared / "memory"
+    site = RecordingMemory.create(place, NOW_NS)
+    if os.geteuid() != 0:
+        pytest.skip("only root may act as two users")
+    os.chown(site.path, SITES_USER, SITES_USER)
+    attached = RecordingMemory.attach(place)
+    assert attached is not None
+    attached.close()
+    second, handle = make_file(place)
+    os.chown(second, OTHER_USER, OTHER_USER)
+    with pytest.raises(ProcessError, match="is of user 4242 and 4343"):
+        RecordingMemory.attach(place)
+    os.close(handle)
+
+
+def test_what_a_killed_recorder_and_a_killed_site_left_goes(tmp_path: Path) -> None:
+    place = tmp_path / "memory"
+    for kind in ("", ".waiting"):
+        os.close(make_file(place, kind)[1])
+    waits = wait_for_site(place)
+    assert waits is not None
+    site = RecordingMemory.create(place, NOW_NS)
+    assert set(tmp_path.iterdir()) == {waits[0], site.path}
 
 
 def test_sites_of_one_name_at_other_endpoints_have_other_memories() -> None:
     one, other = RemoteLinksConfig(), RemoteLinksConfig(control="tcp/127.0.0.1:7449")
-    assert memory_path("cell", one) != memory_path("cell", other)
+    assert memory_place("cell", one) != memory_place("cell", other)
 
 
 @pytest.mark.parametrize("scale", [1.0, -3.0])

@@ -1,6 +1,5 @@
 """One trial in wall-clock time: the processes started, the operator at its page until it is done, all ended, judged."""
 
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -18,7 +17,7 @@ from farhand.experiments.placing.live.plan import CELL, LivePlan, live_plan
 from farhand.experiments.placing.trial import Conditions
 from farhand.loopback.recorder import Recorder
 from farhand.loopback.run import RunningSites
-from farhand.loopback.site_process import SiteProcess, free_ports, listens
+from farhand.loopback.site_process import SiteProcess, free_ports, listens, module_command
 from farhand.visual_operator.at_console.sitting import SittingNotes
 
 JUDGED_REMOTE, OPERATOR = "farhand.experiments.placing.live.judged_remote", "farhand.visual_operator.at_console"
@@ -67,7 +66,7 @@ def _play(plan: LivePlan, judgement: Path, runtime: Path, sites: RunningSites) -
 
 
 def _process(name: str, module: str, arguments: Sequence[str], environment: dict[str, str]) -> SiteProcess:
-    return SiteProcess(name, [sys.executable, "-m", module, *arguments], environment)
+    return SiteProcess(name, module_command(module, *arguments), environment)
 
 
 def _wait(what: str, timeout_s: float, sites: RunningSites, is_so: Callable[[], bool]) -> None:
