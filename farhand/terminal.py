@@ -29,13 +29,13 @@ def complain(error: FarhandError) -> None:
 @contextmanager
 def progress_bar() -> Iterator[ShowProgress]:
     """A bar on standard error for work that takes long; a new name of the work begins a new bar."""
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     bars, tasks = Progress(*columns, console=Console(stderr=True)), {}
 
     def show(what: str, done: int, total: int | None) -> None:
         if what not in tasks:
             bars.start()
-            tasks[what] = bars.add_task(what, total=None)
+            tasks[what] = bars.add_task(escaped(what), total=None)
         bars.update(tasks[what], completed=done, total=total)
 
     try:

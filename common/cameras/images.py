@@ -8,6 +8,7 @@ import numpy as np
 from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_S
 from common.errors import CameraError
+from common.text import file_name
 
 IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".tiff"})
 
@@ -45,7 +46,7 @@ def write_image(folder: Path, name: str, image: Image) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         # Not cv2.imwrite, which leaves a truncated picture on a full disk without an error.
-        (folder / f"{name}.png").write_bytes(cv2.imencode(".png", image)[1].tobytes())
+        (folder / f"{file_name(name)}.png").write_bytes(cv2.imencode(".png", image)[1].tobytes())
     except OSError as error:
         why = error.strerror or error
         raise CameraError(f"cannot write {folder / name}.png: {why}; choose a folder that can be written") from error

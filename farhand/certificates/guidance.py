@@ -1,8 +1,8 @@
 """What to do with certificates that have just been made, in words."""
 
-import json
 from pathlib import Path
 
+from common.text import toml_string
 from farhand.certificates.authorities import SITES, VIEWERS
 from farhand.certificates.folder import CertificateOrder
 
@@ -22,7 +22,7 @@ def guidance(folder: Path, order: CertificateOrder) -> str:
         "  [links]\n"
         '  control = "tls/0.0.0.0:7447"\n'
         '  video = "tls/0.0.0.0:7448"\n'
-        f"  operators = [{', '.join(json.dumps(name) for name in names)}]\n"
+        f"  operators = [{', '.join(toml_string(name) for name in names)}]\n"
         "  [links.tls]\n"
         f'  ca = "/etc/farhand/{SITES.stem}.pem"\n'
         '  certificate = "/etc/farhand/remote.pem"\n'

@@ -14,6 +14,7 @@ from common.messages.recording import EpisodeOutcome
 from common.recording.folder import NAME
 from common.recording.reader import KeptMessage, RecordingReader
 from common.recording.recorded_episodes import RecordedEpisode, episode_events, episodes_of
+from common.text import name_mistake
 from farhand.export.recorded_signals import SIGNAL_TOPICS, signals_of
 from farhand.export.session import RecordedSession, SessionEpisode, SessionFacts, SessionSignals, ViewPicture
 from remote_site.recording.topics import GRIPPER, image_topic
@@ -115,4 +116,8 @@ class McapSession:
 def _views(topics: set[str]) -> list[str]:
     """The cameras whose pictures are kept, by name."""
     prefix = image_topic("").name
-    return sorted(topic.removeprefix(prefix) for topic in topics if topic.count("/") == 2 and topic.startswith(prefix))
+    views = sorted(topic.removeprefix(prefix) for topic in topics if topic.count("/") == 2 and topic.startswith(prefix))
+    for view in views:
+        if wrong := name_mistake(view):
+            raise RecordingError(f"the name of a camera {wrong}, in the site's configuration, and record again")
+    return views

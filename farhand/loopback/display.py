@@ -10,12 +10,13 @@ import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
 
 from common.cameras.camera import Image
 from common.cameras.images import write_image
 from common.clock import NS_PER_MS
 from common.messages.hand import HandArm
-from common.text import escaped
+from common.text import escaped, file_name
 from farhand.loopback.figures import POINTS, Figures
 from farhand.loopback.recorder import CameraRecord, Record
 from remote_site.teleop.mapping import thesis_angles
@@ -69,7 +70,7 @@ def print_table(figures: Figures, console: Console) -> None:
     """Print the figures of a run as one table."""
     table = Table(title="loopback", show_header=False)
     for name, value in _rows(figures):
-        table.add_row(name, value)
+        table.add_row(Text(escaped(name)), Text(value))
     console.print(table)
     for event in figures["events"]:
         console.print(escaped(f"event: {event}"), markup=False, highlight=False)
@@ -134,7 +135,7 @@ def save_camera_views(cameras: Mapping[str, CameraRecord], folder: Path) -> None
 
 def save_overview(names: tuple[str, ...], folder: Path) -> None:
     """Join the pictures NAME.png of a folder into overview.png, two in a row; a missing one stays black."""
-    tiles = [_tile(folder / f"{name}.png") for name in names]
+    tiles = [_tile(folder / f"{file_name(name)}.png") for name in names]
     tiles += [np.zeros_like(tiles[0])] * (len(tiles) % 2)
     rows = [np.hstack(tiles[k : k + 2]) for k in range(0, len(tiles), 2)]
     write_image(folder, "overview", np.vstack(rows))

@@ -9,6 +9,7 @@ import msgspec
 
 from common.cameras.settings import given
 from common.errors import ConfigError
+from common.text import escaped, toml_string
 from farhand.setup.notes import SetupAnswers
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.config import Method
@@ -38,19 +39,19 @@ def configuration(answers: SetupAnswers, rig: Path, path: Path) -> str:
     if answers.left is None or answers.right is None or answers.method is None:
         raise ConfigError("cameras or tracker are not chosen yet; start farhand setup again")
     lines = [
-        HEAD.format(path=path),
+        HEAD.format(path=escaped(str(path))),
         "[operator]",
-        f"left = {_text(answers.left)} # as the cameras see it",
-        f"right = {_text(answers.right)}",
-        f"rig = {_text(str(rig.resolve()))} # the calibration; it holds until a camera is touched",
+        f"left = {toml_string(answers.left)} # as the cameras see it",
+        f"right = {toml_string(answers.right)}",
+        f"rig = {toml_string(str(rig.resolve()))} # the calibration; it holds until a camera is touched",
         "",
     ]
     if settings := given(answers.settings):
         lines += ["[operator.cameras] # both are set to this, and refused where they do otherwise"]
         lines += [f"{key} = {_value(value)}" for key, value in settings.items()] + [""]
-    lines += ["[tracking]", f"method = {_text(answers.method)} # {OFFERED[answers.method]}"]
+    lines += ["[tracking]", f"method = {toml_string(answers.method)} # {OFFERED[answers.method]}"]
     lines.append(
-        f"profile_dir = {_text(str((path.parent / 'operators').resolve()))} # each operator's hand and forearm"
+        f"profile_dir = {toml_string(str((path.parent / 'operators').resolve()))} # each operator's hand and forearm"
     )
     if has_sides(answers.method):
         lines += ["", f"[tracking.{answers.method}]", f"right_arm = {_value(answers.right_arm)} # which arm is tracked"]
@@ -63,10 +64,5 @@ def has_sides(method: Method) -> bool:
     return isinstance(own, msgspec.Struct) and "right_arm" in own.__struct_fields__
 
 
-def _text(words: str) -> str:
-    """A TOML string: JSON's escapes are among TOML's."""
-    return json.dumps(words, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
 def _value(value: object) -> str:
-    return _text(value) if isinstance(value, str) else json.dumps(value)
+    return toml_string(value) if isinstance(value, str) else json.dumps(value)

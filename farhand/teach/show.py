@@ -62,7 +62,7 @@ def plotted(task: TaskFile) -> "Figure":
     way_mm = 1e3 * path.positions
     points_mm = np.array([1e3 * pose[:3, 3] for pose in way_points_in_base(task)])
     figure = Figure(figsize=(15.0, 5.6), dpi=DPI, layout="constrained")
-    figure.suptitle(task.task.name)
+    figure.suptitle(task.task.name, parse_math=False)
     views = list(zip(figure.subplots(1, 3), VIEWS, strict=True))
     for axes, (name, across, up) in views:
         axes.plot(way_mm[:, across], way_mm[:, up], color=PATH_COLOUR, linewidth=1.4, zorder=2)

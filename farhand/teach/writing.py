@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from common.text import toml_string
 from farhand.teach.task_file import TaskFile, WayPoint
 from remote_site.assist.placement import Row3
 
@@ -33,11 +34,11 @@ def _head(task: TaskFile) -> Iterator[str]:
     origin, frame, motion = task.task, task.frame, task.motion
     yield HEAD
     yield "[task]"
-    yield f"name = {_text(origin.name)}  # as the operator's page shows it"
-    yield f"robot = {_text(origin.robot)}  # no other runs it"
-    yield f"recorded = {_text(origin.recorded)}"
+    yield f"name = {toml_string(origin.name)}  # as the operator's page shows it"
+    yield f"robot = {toml_string(origin.robot)}  # no other runs it"
+    yield f"recorded = {toml_string(origin.recorded)}"
     if origin.gripper_at_start is not None:
-        yield f"gripper_at_start = {_text(origin.gripper_at_start)}  # has to be so before it is run"
+        yield f"gripper_at_start = {toml_string(origin.gripper_at_start)}  # has to be so before it is run"
     yield f"tolerance_mm = {origin.tolerance_mm:g}  # how far the way points leave the recorded path"
     yield f"tolerance_deg = {origin.tolerance_deg:g}\n"
     yield f"{FRAME}[frame]"
@@ -54,7 +55,7 @@ def _point(number: int, point: WayPoint) -> Iterator[str]:
     yield f"xyz_mm = {_row(point.xyz_mm)}"
     yield f"rotation_deg = {_row(point.rotation_deg)}"
     if point.gripper is not None:
-        yield f"gripper = {_text(point.gripper)}"
+        yield f"gripper = {toml_string(point.gripper)}"
     if point.dwell_s > 0.0:
         yield f"dwell_s = {point.dwell_s:g}"
     if point.speed != 1.0:
@@ -64,8 +65,3 @@ def _point(number: int, point: WayPoint) -> Iterator[str]:
 
 def _row(values: Row3) -> str:
     return f"[{', '.join(f'{value + 0.0:.2f}' for value in values)}]"
-
-
-def _text(words: str) -> str:
-    escaped = words.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in escaped) + '"'

@@ -7,6 +7,7 @@ from msgspec import Meta
 
 from common.cameras.sources import Source
 from common.messages.base import Name
+from common.text import name_mistake
 from remote_site.simulation.config import SIMULATED
 from remote_site.video.streaming.codec_choice import CodecPreference
 
@@ -32,6 +33,10 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     )
 
     def __post_init__(self) -> None:
+        if wrong := name_mistake(self.name):
+            raise ValueError(f"name: it {wrong}")
+        if "/" in self.name:
+            raise ValueError(f"name: '{self.name}' has a slash, which divides the topics of a recording; leave it out")
         if self.projection is not None and len(self.projection) != PROJECTION_NUMBERS:
             raise ValueError(f"projection: 12 numbers, three rows of four, not {len(self.projection)}")
 

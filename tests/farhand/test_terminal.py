@@ -2,17 +2,22 @@
 
 import sys
 from collections.abc import Callable
+from io import StringIO
 
 import pytest
 from msgspec.structs import replace
+from rich.console import Console
 
 from common.errors import ConfigError, FarhandError, RefusedError, TransportError
+from common.geometry import Array
 from farhand.authority.lease import describe_lease
 from farhand.cli import main
 from farhand.doctor.findings import as_text, warning
-from farhand.loopback.display import LiveSummary
-from farhand.loopback.recorder import Record
+from farhand.loopback.display import LiveSummary, print_table
+from farhand.loopback.recorder import CameraRecord, Record
+from farhand.loopback.run import run_figures
 from farhand.terminal import complain, progress_bar, say
+from remote_site.config import RemoteConfig
 from remote_site.drivers.conformance.verdicts import Verdict
 from tests.common.messages.golden_examples import HAND, STATE
 
@@ -37,6 +42,18 @@ def run(command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "argv", ["farhand", *command])
     with pytest.raises(SystemExit):
         main()
+
+
+class NobodyOperates:
+    """No hand, no gripper."""
+
+    def openings(self, _now_ns: int) -> int:
+        """None."""
+        return 0
+
+    def truth(self, _t_ns: int) -> dict[str, Array]:
+        """Of nothing."""
+        return {}
 
 
 @pytest.mark.parametrize("command", REQUESTS)
@@ -125,3 +142,18 @@ def test_a_bar_is_on_standard_error_and_nothing_is_where_no_work_was_shown(
 def test_what_is_said_is_said_as_it_is_where_nothing_is_hidden(capsys: pytest.CaptureFixture[str]) -> None:
     say("the arm follows the hand – 40 °")
     assert capsys.readouterr().out == "the arm follows the hand – 40 °\n"
+
+
+def test_the_name_of_a_recording_is_no_markup_in_a_bar(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_bar() as show:
+        show(SAID, 1, 2)
+        show(SAID, 2, 2)
+    assert SHOWN in capsys.readouterr().err
+
+
+def test_the_name_of_a_camera_is_no_markup_in_the_loopbacks_table() -> None:
+    printed = StringIO()
+    record = Record(cameras={SAID: CameraRecord()})
+    figures = run_figures(record, NobodyOperates(), RemoteConfig(), []) | {"too_slow": None}
+    print_table(figures, Console(file=printed, width=200))
+    assert f"camera {SHOWN}" in printed.getvalue()

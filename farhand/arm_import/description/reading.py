@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import get_args
 from xml.etree import ElementTree
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from common.errors import ModelError
 from common.geometry import Array, rotation_from_vector, transform
+from common.text import name_mistake
 from farhand.arm_import.description.elements import (
     Cylinder,
     Geometry,
@@ -30,6 +32,15 @@ from remote_site.kinematics.model import ASSUMED
 Element = ElementTree.Element
 XACRO = "xacro"
 ASSUMABLE = ("effort", "jerk")
+NAMES: Mapping[str, Sequence[str]] = {  # of each element, the attributes that are names
+    "robot": ("name",),
+    "link": ("name",),
+    "joint": ("name", "type"),
+    "parent": ("link",),
+    "child": ("link",),
+    "mimic": ("joint",),
+    "material": ("name",),
+}
 TURNING = ("revolute", "prismatic", "continuous")
 
 
@@ -45,10 +56,24 @@ def read_description(text: bytes, source: str) -> UrdfRobot:
     if robot.tag != "robot":
         kind = "MuJoCo's own format (MJCF)" if robot.tag == "mujoco" else f"<{robot.tag}>"
         raise ModelError(f"{source} is {kind}, not a URDF, whose first element is <robot>; give the arm's URDF")
+    _check_names(robot, source)
     colours = {name: rgba for m in robot.findall("material") if (name := m.get("name")) and (rgba := _rgba(m))}
     links = {link.name: link for link in (_link(e, colours, source) for e in robot.findall("link"))}
     joints = tuple(_joint(e, source) for e in robot.findall("joint"))
     return UrdfRobot(robot.get("name") or "arm", _root(links, joints, source), links, joints)
+
+
+def _check_names(robot: Element, source: str) -> None:
+    """ModelError for a name that would not stay one where it is written: too long, or with line ends and the like."""
+    numbers: Counter[str] = Counter()
+    for element in robot.iter():
+        numbers[element.tag] += 1
+        place = f"{source}: <{element.tag}> number {numbers[element.tag]} in the file"
+        for key in NAMES.get(element.tag, ()):
+            if wrong := name_mistake(element.get(key) or ""):
+                raise ModelError(f"{place}: its {key} {wrong}")
+        if element.tag == "mesh" and not (element.get("filename") or "").isprintable():
+            raise ModelError(f"{place}: its filename has characters that do not show; rename the file, and name it so")
 
 
 def _root(links: dict[str, UrdfLink], joints: tuple[Joint, ...], source: str) -> str:

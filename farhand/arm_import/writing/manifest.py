@@ -3,12 +3,14 @@
 import hashlib
 from collections.abc import Mapping
 
+from common.text import in_xml_comment
+
 HEAD = b"<!-- As farhand arm import wrote these files, by SHA-256. It replaces them only while they are still so:\n"
 
 
 def with_manifest(urdf: bytes, name: str, others: Mapping[str, bytes]) -> bytes:
     """The arm's file `name` with the digests of its own text and of the other files."""
-    lines = [f"  {digest(content)}  {_spelt(file)}\n" for file, content in {name: urdf, **others}.items()]
+    lines = [f"  {digest(content)}  {in_xml_comment(file)}\n" for file, content in {name: urdf, **others}.items()]
     return urdf + HEAD + "".join(lines).encode() + b"-->\n"
 
 
@@ -21,14 +23,9 @@ def digests_in(urdf: bytes) -> dict[str, str]:
 
 def is_as_written(name: str, content: bytes, digests: Mapping[str, str]) -> bool:
     """Whether a file is as it was when these digests were made."""
-    return digests.get(_spelt(name)) == digest(content)
+    return digests.get(in_xml_comment(name)) == digest(content)
 
 
 def digest(content: bytes) -> str:
     """Of a file, without the digests that an arm's file ends with."""
     return hashlib.sha256(content.partition(HEAD)[0]).hexdigest()
-
-
-def _spelt(name: str) -> str:
-    """As it may stand in a comment of XML."""
-    return name.replace("--", "- -")

@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from pathlib import Path, PurePath
 
+from common.text import MOST_OF_NAME, file_name
 from farhand.arm_import.description.elements import Shape, UrdfLink, UrdfMesh, UrdfRobot
 
 
@@ -30,8 +31,9 @@ def _with_shapes(link: UrdfLink, moved: Callable[[Shape], Shape]) -> UrdfLink:
 def _free_name(file: PurePath, taken: Collection[str]) -> str:
     """The file's own name, numbered where another has its stem: MuJoCo knows a mesh by that, and case may not count."""
     stems = {PurePath(name).stem.lower() for name in taken}
-    stem, number = file.stem, 1
+    own = PurePath(file_name(file.name))
+    stem, number = own.stem[:MOST_OF_NAME], 1
     while stem.lower() in stems:
         number += 1
-        stem = f"{file.stem}_{number}"
-    return f"{stem}{file.suffix}"
+        stem = f"{own.stem[:MOST_OF_NAME]}_{number}"
+    return f"{stem}{own.suffix}"

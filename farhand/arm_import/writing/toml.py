@@ -1,10 +1,10 @@
 """The configuration of an imported arm as TOML, each value with where it comes from; pure."""
 
-import json
 from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from common.text import escaped, toml_string
 from farhand.arm_import.choices.cell import ROBOTS_OWN, CellScene
 from farhand.arm_import.choices.tool import GRIPPER_M
 from farhand.arm_import.design import Design, tool_capsules
@@ -15,7 +15,7 @@ from remote_site.safety.config import CollisionConfig, FixtureConfig
 def toml_text(design: Design, urdf: str, head: Sequence[str]) -> str:
     """The file, which begins with the lines of a comment; `urdf` is the arm's file as seen from it."""
     parts = (
-        [f"# {line}".rstrip() for line in head],
+        [f"# {escaped(line)}".rstrip() for line in head],
         _robot(design, urdf),
         _mapping(design),
         _safety(design),
@@ -27,7 +27,7 @@ def toml_text(design: Design, urdf: str, head: Sequence[str]) -> str:
 
 def _robot(design: Design, urdf: str) -> list[str]:
     tool, start = design.prepared.tool, design.start
-    centre = design.prepared.arm.tool
+    centre = escaped(design.prepared.arm.tool)
     offset = (
         f"the tool centre point is the file's {centre}; there the simulated gripper grips"
         if tool.own
@@ -46,13 +46,13 @@ def _robot(design: Design, urdf: str) -> list[str]:
     jerk = f"# jerk: {design.jerk:g} rad/s³ in {urdf} for {_names(jerks)}, whose file states none; {whose}"
     return [
         "[robot]",
-        f"model = {_text(urdf)} # beside this file",
-        f"tool_frame = {_text(tool.frame)} # carries the tool, its z along the tool",
+        f"model = {toml_string(urdf)} # beside this file",
+        f"tool_frame = {toml_string(tool.frame)} # carries the tool, its z along the tool",
         f"tool_offset_m = {GRIPPER_M} # {offset}",
         f"start_deg = {_row(np.degrees(start.q).tolist(), 1)} # {_start_comment(design)}",
         f"speed = {design.speed:g} # fraction {speed}",
         f"acceleration_rad_s2 = {_row(design.joints.acceleration, 2)} # {acceleration}",
-        *([jerk] if jerks else []),
+        *([escaped(jerk)] if jerks else []),
         'kinematics = "general"',
         *_capsules(tool_capsules(design.prepared), own=tool.own),
     ]
@@ -73,7 +73,7 @@ def _capsules(capsules: Sequence[CapsuleConfig], *, own: bool) -> list[str]:
     rows = [
         f"  {{ {link}start_m = {_row(c.start_m, 5)}, end_m = {_row(c.end_m, 5)}, radius_m = {c.radius_m:g} }},"
         for c in capsules
-        for link in [f"link = {_text(c.link)}, " if c.link else ""]
+        for link in [f"link = {toml_string(c.link)}, " if c.link else ""]
     ]
     return [f"capsules = [ # {whose}", *rows, "]"]
 
@@ -113,7 +113,7 @@ def _collision(design: Design) -> list[str]:
         f"slow_m = {slow:g} # nearer, the arm approaches more slowly",
     ]
     if design.ignored:
-        pairs = ", ".join(f"[{_text(one)}, {_text(other)}]" for one, other in design.ignored)
+        pairs = ", ".join(f"[{toml_string(one)}, {toml_string(other)}]" for one, other in design.ignored)
         lines.append(f"ignored_pairs = [{pairs}] # these touch in nearly every posture: so they are built")
     return lines
 
@@ -122,7 +122,7 @@ def _fixture(fixture: FixtureConfig) -> list[str]:
     return [
         "# ASSUMED: the base stands on a table whose top is z = 0 of the base frame. Measure yours, and every wall.",
         "[[safety.collision.fixtures]]",
-        f"name = {_text(fixture.name)}",
+        f"name = {toml_string(fixture.name)}",
         f"min_m = {_row(fixture.min_m, 3)}",
         f"max_m = {_row(fixture.max_m, 3)}",
     ]
@@ -169,7 +169,7 @@ def _views(scene: CellScene) -> list[str]:
         lines += [
             "",
             "[[simulation.views]]",
-            f"name = {_text(view.name)}",
+            f"name = {toml_string(view.name)}",
             *(['frame = "tool"'] if view.frame == "tool" else []),
             f"position_m = {_row(view.position_m, 3)}",
             f"looks_at_m = {_row(view.looks_at_m, 3)}",
@@ -180,11 +180,6 @@ def _views(scene: CellScene) -> list[str]:
 
 def _row(values: Iterable[float], digits: int) -> str:
     return f"[{', '.join(str(round(float(value), digits) + 0.0) for value in values)}]"
-
-
-def _text(words: str) -> str:
-    """A TOML string: JSON's escapes are among TOML's."""
-    return json.dumps(words, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _names(names: Sequence[str]) -> str:

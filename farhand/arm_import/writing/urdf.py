@@ -7,6 +7,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from common.geometry import Array
+from common.text import in_xml_comment
 from farhand.arm_import.description.elements import (
     Cylinder,
     Geometry,
@@ -28,17 +29,13 @@ DIGITS = 9
 
 def urdf_text(robot: UrdfRobot, comment: Sequence[str]) -> str:
     """The file, which begins with the lines of a comment."""
-    lines = ['<?xml version="1.0"?>', "<!--", *(f"  {_in_comment(line)}" for line in comment), "-->"]
+    lines = ['<?xml version="1.0"?>', "<!--", *(f"  {in_xml_comment(line)}" for line in comment), "-->"]
     lines.append(f"<robot name={quoteattr(robot.name)}>")
     for link in robot.links.values():
         lines += _link(link)
     for joint in robot.joints:
         lines += _joint(joint)
     return "\n".join([*lines, "</robot>", ""])
-
-
-def _in_comment(line: str) -> str:
-    return line.replace("--", "- -")
 
 
 def _link(link: UrdfLink) -> list[str]:

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from common.cameras.images import write_image
 from common.cameras.settings import CameraSettings
 from common.cameras.sources import damage_of, open_camera, stated_frames
 from common.errors import CameraError, ConfigError
@@ -130,3 +131,13 @@ class Stating:
 
     def set(self, _key: int, _value: float) -> bool:
         return True
+
+
+def test_a_pictures_name_stays_in_its_folder(tmp_path: Path) -> None:
+    for name in ("../../outside", "/outside", "front\nside"):
+        write_image(tmp_path / "views", name, np.zeros((8, 8, 3), np.uint8))
+    assert sorted(path.name for path in tmp_path.rglob("*.png")) == [
+        "_._.._outside.png",
+        "_outside.png",
+        "front_side.png",
+    ]

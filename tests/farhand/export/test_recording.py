@@ -11,12 +11,15 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.requests import EngagementAction, RecordAction
 from common.messages.robot import GripperCommand
 from common.recording.config import RecordConfig
-from common.recording.reader import RecordingReader
+from common.recording.mcap_file import McapFile
+from common.recording.reader import CLOCK_TABLE, EPOCH_KEY, RecordingReader
 from common.recording.recorded_episodes import RecordedEpisode
 from farhand.export.recording import open_sessions, parts_by_session, within
 from farhand.export.session import SessionEpisode
 from farhand.export.videos.h264 import decoded
 from remote_site.recording.cycle_record import decode_outcome
+from remote_site.recording.topics import image_topic
+from remote_site.recording.transcript import CELL_TABLE
 from tests.farhand.export.lerobot.made_dataset import episodes, export, frames, pictures
 from tests.remote_site.driven_loop import CONFIG
 from tests.remote_site.recording.recorded_site import BEGAN, CAMERA, RecordedSite
@@ -148,3 +151,15 @@ def test_what_is_no_recording_is_refused_with_the_cure(tmp_path):
         pass
     with pytest.raises(ExportError, match="name one or more"):
         export([], tmp_path / "none")
+
+
+@pytest.mark.parametrize("view", ["a\nb", "\u202eside", "x" * 65, "a\0b"])
+def test_a_camera_whose_name_would_not_stay_one_is_refused(view, tmp_path):
+    path = tmp_path / "hostile.mcap"
+    file = McapFile(path, "test")
+    file.describe(CLOCK_TABLE, {EPOCH_KEY: "0"})
+    file.describe(CELL_TABLE, {"robot": "r", "joints": "a"})
+    file.add(image_topic(view), b"", 1, 1)
+    file.finish()
+    with pytest.raises(RecordingError, match="the name of a camera has "), open_sessions([path]):
+        pass

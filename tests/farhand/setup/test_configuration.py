@@ -1,8 +1,13 @@
 """The configuration that a setup writes is one that the local site loads."""
 
+import tomllib
+from pathlib import Path
 from typing import get_args
 
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from common.cameras.settings import CameraSettings
 from common.config import load_config
@@ -68,3 +73,13 @@ def test_damaged_answers_are_refused_with_the_cure(tmp_path):
     (tmp_path / "answers.json").write_text('{"left": 3')
     with pytest.raises(ConfigError, match=r"answers\.json cannot be used.*remove it"):
         SetupFolder(tmp_path).answers()
+
+
+@given(st.text(), st.text(st.characters(exclude_characters="/\0", exclude_categories=["Cs"]), min_size=1))
+@example('"\n[links]\nremote = "tcp/evil:1"\n', "x\n[links]\nremote = 'tcp-evil'\n.toml")
+def test_no_cameras_address_and_no_files_name_becomes_a_key(source, name):
+    path = Path("/sites") / name
+    written = tomllib.loads(configuration(replace(ANSWERS, left=source), Path("/rigs") / name, path))
+    plain = tomllib.loads(configuration(ANSWERS, Path("/rigs/rig.json"), Path("/sites/local.toml")))
+    operator = plain["operator"] | {"left": source, "rig": str((Path("/rigs") / name).resolve())}
+    assert written == plain | {"operator": operator}

@@ -1,9 +1,15 @@
 """The task file: written, read back, edited by hand with mistakes."""
 
+import tomllib
+
 import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from common.errors import ConfigError
 from farhand.teach.run import frame_from
+from farhand.teach.show import plotted
 from farhand.teach.task_file import TaskFile, TaskMotion, TaskOrigin, TaughtFrame, WayPoint, load_task
 from farhand.teach.writing import as_toml
 
@@ -73,3 +79,20 @@ def test_a_frame_is_given_as_an_option():
     for wrong in ("1,2", "1,2,3,4,5", "a,b,c", "nan,0,0"):
         with pytest.raises(ConfigError, match="in mm and deg"):
             frame_from(wrong)
+
+
+@given(st.text())
+@example('x"\n[motion]\nspeed_mm_s = 1000\n# \u2028 \x85 \x00 \U000e0001')
+def test_a_recorded_tasks_name_stays_a_name(name):
+    task = TASK.task
+    hostile = replace(TASK, task=replace(task, name=name, robot=name, recorded=name))
+    plain = tomllib.loads(as_toml(TASK))
+    named = plain["task"] | {"name": name, "robot": name, "recorded": name}
+    assert tomllib.loads(as_toml(hostile)) == plain | {"task": named}
+
+
+def test_a_tasks_name_is_no_formula_in_its_picture():
+    pytest.importorskip("matplotlib")
+    name = r"$\notaformula{$"
+    figure = plotted(replace(TASK, task=replace(TASK.task, name=name)))
+    assert figure.get_suptitle() == name

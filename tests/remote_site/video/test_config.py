@@ -1,0 +1,19 @@
+"""A view's name is one wherever it goes: topics, files, the page."""
+
+import pytest
+
+from remote_site.video.config import CameraConfig
+
+
+@pytest.mark.parametrize("name", ["front_high", "Kamera über dem Tisch", "[red]", '"side"'])
+def test_an_ordinary_name_is_taken(name):
+    assert CameraConfig(name=name).name == name
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [("side\nfront", r"characters that do not show: 'side\\nfront'"), ("a/calibration", "'a/calibration' has a slash")],
+)
+def test_a_name_that_would_be_another_topic_or_line_is_refused(name, wrong):
+    with pytest.raises(ValueError, match=f"name: .*{wrong}"):
+        CameraConfig(name=name)
