@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Any
 
 from common.errors import TransportError
-from common.link.access import Serves, access_control, no_waiting, payload_caps, rate_caps
+from common.link.access import Part, Serves, access_control, no_waiting, payload_caps, rate_caps
 from common.link.channels import CHANNELS
 from common.link.config import TlsConfig
 from common.link.credentials import Credentials
@@ -18,6 +18,7 @@ RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 
 FOR_EVER = -1  # in the background; a client would block
 CLIENT_TIMEOUT_MS = 500
 MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # of fragments, before a check
+AT_ONCE = "open/return_conditions/connect_scouted", "open/return_conditions/declares"  # False: opened without waiting
 DEAF_AFTER_US = 10_000  # a neighbour that takes nothing for so long is disconnected: all others wait meanwhile
 MAX_NEIGHBOURS, MAX_AT_ROUTER = 64, 1024
 PICTURES_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 240 ms; what waits in more is old
@@ -57,11 +58,12 @@ class SessionEndpoints:
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """Whose session it is (None without certificates), whom it serves, and the operators among them."""
+    """Whose session it is (None without certificates), whom it serves, the operators among them; its part of a link."""
 
     credentials: Credentials | None
     operators: tuple[str, ...] = ()
     serves: Serves = Serves.SITES
+    part: Part = Part.WHOLE
 
 
 def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, Any]:
@@ -92,11 +94,18 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
         "downsampling": rate_caps(),
         "qos/network": no_waiting(),
     }
+    if served.part is Part.LANE:
+        settings |= dict.fromkeys(AT_ONCE, False)
     if (credentials := served.credentials) is not None:
         plain = not all(endpoint.is_secured for endpoint in (*endpoints.listen, *endpoints.connect))
         routed = endpoints.mode is Mode.CLIENT
         settings["access_control"] = access_control(
-            credentials.identity, served.operators, routed=routed, plain=plain, serves=served.serves
+            credentials.identity,
+            served.operators,
+            routed=routed,
+            plain=plain,
+            serves=served.serves,
+            part=served.part,
         )
         settings |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
     return settings
