@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from typing import Any, NamedTuple
 
-from common.link.channels import ANY, CHANNELS, PROCEDURES, Channel, Keyed
+from common.link.channels import ANY, CHANNELS, PROCEDURES, Keyed
 from common.link.endpoints import SECURED
 from common.link.roles import Identity, Role
 
@@ -25,14 +25,6 @@ class Serves(StrEnum):
     OWN_SITE = "own_site"  # the site, or router, that it watches on viewers' behalf, with that one's certificate
 
 
-class Part(StrEnum):
-    """What a session carries of its link (`lanes.py`)."""
-
-    WHOLE = "whole"
-    LANE = "lane"  # the channels that go in lanes, and nothing else
-    BESIDE_LANES = "beside_lanes"  # everything else; what goes in lanes only to who does not receive it by them
-
-
 class Grant(NamedTuple):
     """What may pass between this session and a neighbour: a flow, the kind of message, the key."""
 
@@ -50,19 +42,13 @@ class Encounter(NamedTuple):
 
 
 def access_control(
-    own: Identity,
-    operators: Sequence[str],
-    *,
-    routed: bool,
-    plain: bool,
-    serves: Serves = Serves.SITES,
-    part: Part = Part.WHOLE,
+    own: Identity, operators: Sequence[str], *, routed: bool, plain: bool, serves: Serves = Serves.SITES
 ) -> Json:
     """Refuse everything except what the table grants each role, by the common name of its certificate.
 
     `operators` are those who may operate the cell, each on the keys of that name only; an operator's own session serves
     nobody else. A remote site that is `routed` has no other neighbour than its cell's router; any other has no router.
-    Viewers are neighbours of a session that `serves` them alone. `part` is what this session carries of its link.
+    Viewers are neighbours of a session that `serves` them alone.
     With `plain` there are also links without certificates, on the loopback interface, whose neighbours may do what any
     role may.
     """
@@ -71,7 +57,7 @@ def access_control(
     for neighbour, acts, other in _encounters(own, operators, routed=routed, serves=serves):
         name = neighbour.common_name
         names = operators if neighbour.operator is None else (neighbour.operator,)
-        granted = _rules(name, set(grants(acts, other, own.cell, names, part)))
+        granted = _rules(name, set(grants(acts, other, own.cell, names)))
         if granted:
             rules += granted
             subjects.append({"id": name, "cert_common_names": [name], "link_protocols": list(SECURED)})
@@ -93,29 +79,21 @@ def access_control(
     }
 
 
-def grants(own: Role, neighbour: Role, cell: str, operators: Sequence[str], part: Part = Part.WHOLE) -> Iterator[Grant]:
+def grants(own: Role, neighbour: Role, cell: str, operators: Sequence[str]) -> Iterator[Grant]:
     """What may pass between a session of one role and a neighbour of another, on the keys of these operators.
 
     A router acts for every role.
     """
-    for channel in (each for each in CHANNELS if _carries(part, each, neighbour)):
+    for channel in CHANNELS:
         if _is(neighbour, channel.sent_by) and _is(own, channel.received_by):
             yield from _granted(HEARING, channel, cell, operators)
         if _is(own, channel.sent_by) and _is(neighbour, channel.received_by):
             yield from _granted(SENDING, channel, cell, operators)
-    for procedure in PROCEDURES if part is not Part.LANE else ():
+    for procedure in PROCEDURES:
         if _is(neighbour, procedure.asked_by) and _is(own, procedure.answered_by):
             yield from _granted(ANSWERING, procedure, cell, operators)
         if _is(own, procedure.asked_by) and _is(neighbour, procedure.answered_by):
             yield from _granted(ASKING, procedure, cell, operators)
-
-
-def _carries(part: Part, channel: Channel[Any], neighbour: Role) -> bool:
-    """Whether this part of a link carries the channel; lanes lead to the remote site, or to a router on the way."""
-    if part is Part.LANE:
-        return channel.in_lanes
-    has_lanes = part is Part.BESIDE_LANES and neighbour in (Role.REMOTE, Role.ROUTER)
-    return not (has_lanes and channel.in_lanes)
 
 
 def _encounters(own: Identity, operators: Sequence[str], *, routed: bool, serves: Serves) -> Iterator[Encounter]:

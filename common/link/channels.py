@@ -90,7 +90,7 @@ class Channel(Keyed, Generic[M]):
     Access control is built from `sent_by` and `received_by`, where there are certificates. `best_effort` means that the
     next message makes a lost one worthless; a picture of many packets would seldom arrive complete. `depth` is how many
     of the newest messages wait for a receiver, more than 1 where several senders could displace one another's. With
-    `in_lanes` it goes on connections of its own where the link has them, each message on two (`lanes.py`).
+    `in_lanes` a copy of each goes on connections of its own, where the link has them (`lanes.py`).
     """
 
     message: type[M]

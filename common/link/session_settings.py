@@ -5,7 +5,7 @@ from enum import StrEnum
 from typing import Any
 
 from common.errors import TransportError
-from common.link.access import Part, Serves, access_control, no_waiting, payload_caps, rate_caps
+from common.link.access import Serves, access_control, no_waiting, payload_caps, rate_caps
 from common.link.channels import CHANNELS
 from common.link.config import TlsConfig
 from common.link.credentials import Credentials
@@ -15,10 +15,11 @@ LEASE_MS = 1000
 KEEP_ALIVES_PER_LEASE = 4
 OPEN_TIMEOUT_MS = 2500  # five round trips of 500 ms; a longer one would delay the return after a partition
 RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
+LANE_RETRY = {"period_init_ms": 1000, "period_max_ms": 2000, "period_increase_factor": 2}  # a listener takes one by one
+AT_ONCE = "open/return_conditions/connect_scouted", "open/return_conditions/declares"  # False: opened without waiting
 FOR_EVER = -1  # in the background; a client would block
 CLIENT_TIMEOUT_MS = 500
 MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # of fragments, before a check
-AT_ONCE = "open/return_conditions/connect_scouted", "open/return_conditions/declares"  # False: opened without waiting
 DEAF_AFTER_US = 10_000  # a neighbour that takes nothing for so long is disconnected: all others wait meanwhile
 MAX_NEIGHBOURS, MAX_AT_ROUTER = 64, 1024
 PICTURES_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 240 ms; what waits in more is old
@@ -36,13 +37,14 @@ class Mode(StrEnum):
 class SessionEndpoints:
     """Where a session listens and where it connects to; `send_buffer_bytes` None is the system's choice.
 
-    TransportError when QUIC is to have a bounded buffer.
+    A `lane` (`lanes.py`) lets the session go first that it is beside. TransportError when QUIC is to have a bounded buffer.
     """
 
     mode: Mode
     listen: tuple[Endpoint, ...] = ()
     connect: tuple[Endpoint, ...] = ()
     send_buffer_bytes: int | None = None
+    lane: bool = False
 
     def __post_init__(self) -> None:
         for endpoint in (*self.listen, *self.connect):
@@ -58,12 +60,11 @@ class SessionEndpoints:
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """Whose session it is (None without certificates), whom it serves, the operators among them; its part of a link."""
+    """Whose session it is (None without certificates), whom it serves, and the operators among them."""
 
     credentials: Credentials | None
     operators: tuple[str, ...] = ()
     serves: Serves = Serves.SITES
-    part: Part = Part.WHOLE
 
 
 def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, Any]:
@@ -74,7 +75,7 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
         "mode": endpoints.mode.value,
         "listen/endpoints": listening,
         "connect/endpoints": connecting,
-        "connect/retry": RETRY,
+        "connect/retry": LANE_RETRY if endpoints.lane else RETRY,
         "connect/timeout_ms": CLIENT_TIMEOUT_MS if endpoints.mode is Mode.CLIENT else FOR_EVER,
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
@@ -94,18 +95,13 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
         "downsampling": rate_caps(),
         "qos/network": no_waiting(),
     }
-    if served.part is Part.LANE:
+    if endpoints.lane:
         settings |= dict.fromkeys(AT_ONCE, False)
     if (credentials := served.credentials) is not None:
         plain = not all(endpoint.is_secured for endpoint in (*endpoints.listen, *endpoints.connect))
         routed = endpoints.mode is Mode.CLIENT
         settings["access_control"] = access_control(
-            credentials.identity,
-            served.operators,
-            routed=routed,
-            plain=plain,
-            serves=served.serves,
-            part=served.part,
+            credentials.identity, served.operators, routed=routed, plain=plain, serves=served.serves
         )
         settings |= {f"transport/link/tls/{key}": value for key, value in _tls_settings(credentials.tls).items()}
     return settings

@@ -11,7 +11,6 @@ from typing import Any, Self, TypeVar
 import zenoh
 
 from common.errors import MessageError, RefusedError, TransportError
-from common.link.access import Part
 from common.link.channels import ANY, Channel, ChannelSession, Keyed, Priority, Procedure
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.credentials import Credentials, load_credentials
@@ -282,7 +281,7 @@ def open_link(
     when the port is taken. Connecting continues in the background until the other side listens; RefusedError when it
     does but refuses us, or we refuse it. `through_router` is for a site that no other can connect to: all messages go
     through the router at `connect`, which is awaited for ROUTER_PATIENCE_S, or until `should_stop`. With `in_lanes`
-    what channels send in lanes goes over connections of its own where `connect` is QUIC. The `tap` is called with every
+    what channels send in lanes goes over connections of its own too where `connect` is QUIC. The `tap` is called with every
     message of the link's publishers, subscriptions and servers.
     """
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
@@ -291,12 +290,12 @@ def open_link(
     mode = Mode.CLIENT if through_router else Mode.PEER
     endpoints = SessionEndpoints(mode, listening, outgoing, send_buffer_bytes)
     by_quic = tuple(endpoint for endpoint in outgoing if endpoint.is_quic) if in_lanes else ()
-    served = Served(credentials, tuple(operators), part=Part.BESIDE_LANES if by_quic else Part.WHOLE)
+    served = Served(credentials, tuple(operators))
     session = (
         _open_through_router(endpoints, served, should_stop) if through_router else open_session(endpoints, served)
     )
-    lane = SessionEndpoints(Mode.PEER, connect=by_quic), replace(served, part=Part.LANE)
-    lanes = [open_session(*lane) for _ in range(LANES)] if by_quic else []
+    lane = SessionEndpoints(mode, connect=by_quic, lane=True)
+    lanes = [open_session(lane, served) for _ in range(LANES)] if by_quic else []
     link = Link(session, outgoing, credentials, sessions, tap, lanes)
     try:
         link.check_connected()
