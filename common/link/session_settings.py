@@ -11,7 +11,7 @@ from common.link.config import TlsConfig
 from common.link.credentials import Credentials
 from common.link.endpoints import Endpoint
 
-LEASE_MS = 1000
+LEASE_MS = 2000  # longer than most outages: to connect again takes a second more where QUIC loses its first packet
 KEEP_ALIVES_PER_LEASE = 4
 OPEN_TIMEOUT_MS = 2500  # five round trips of 500 ms; a longer one would delay the return after a partition
 RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
