@@ -37,7 +37,7 @@ from bench.wan.stage import FIGURE_HZ, FIGURE_M, GLIDE_S, MEMORY, WanStage
 
 FOLDER = Path("build") / "wan"
 FULL = "--full"
-CUT_S = 1.5  # more than a link's lease
+CUT_S = 2.5  # more than a link's lease
 ENGAGES_S = 10.0
 SETTLES_S = 5.0  # the glide to the figure of eight, and the pictures' adaptation
 WATCHED_S = 12.0  # more than once the whole figure

@@ -89,7 +89,8 @@ class Channel(Keyed, Generic[M]):
 
     Access control is built from `sent_by` and `received_by`, where there are certificates. `best_effort` means that the
     next message makes a lost one worthless; a picture of many packets would seldom arrive complete. `depth` is how many
-    of the newest messages wait for a receiver, more than 1 where several senders could displace one another's.
+    of the newest messages wait for a receiver, more than 1 where several senders could displace one another's. With
+    `in_lanes` a copy of each goes on connections of its own, where the link has them (`lanes.py`).
     """
 
     message: type[M]
@@ -102,6 +103,7 @@ class Channel(Keyed, Generic[M]):
     max_bytes: int
     depth: int = 1
     best_effort: bool = True
+    in_lanes: bool = False
 
     @property
     def max_hz(self) -> float:
@@ -120,6 +122,7 @@ HAND = Channel(
     stale_after_ns=100 * NS_PER_MS,
     max_bytes=4096,
     depth=16,  # on plain loopback anybody may send on any key: the holder's samples must not be displaced at once
+    in_lanes=True,
 )
 STATE = Channel(
     key="farhand/{cell}/state",

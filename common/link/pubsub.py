@@ -10,6 +10,7 @@ import zenoh
 from common.clock import NS_PER_S
 from common.errors import MessageError, TransportError
 from common.link.channels import Channel
+from common.link.lanes import Copies, LanePublisher
 from common.link.rate_cap import RateCap
 from common.link.tap import MessageTap, untapped
 from common.messages.base import Message
@@ -24,14 +25,20 @@ class Publisher(Generic[M]):
     `payload_bytes` is the size of the newest.
     """
 
-    def __init__(self, publisher: zenoh.Publisher, tap: MessageTap = untapped) -> None:
+    def __init__(
+        self, publisher: zenoh.Publisher, tap: MessageTap = untapped, in_lanes: LanePublisher | None = None
+    ) -> None:
+        """`in_lanes` takes each message first."""
         self._publisher, self._key, self._tap = publisher, str(publisher.key_expr), tap
+        self._in_lanes = in_lanes
         self.payload_bytes = 0
 
     def put(self, message: M) -> None:
         """Send a message; MessageError when it holds a number that is not finite."""
         payload = encode(message)
         self.payload_bytes = len(payload)
+        if self._in_lanes is not None:
+            self._in_lanes.put(payload)
         self._publisher.put(payload)
         self._tap(self._key, payload, sent=True)
 
@@ -53,6 +60,7 @@ class Latest(Generic[M]):
         self._subscriber = subscriber
         self._channel, self._tap = channel, tap
         self._cap = RateCap(channel.max_hz, channel.depth + 1)
+        self._copies = Copies() if channel.in_lanes else None
 
     @property
     def depth(self) -> int:
@@ -61,26 +69,29 @@ class Latest(Generic[M]):
 
     def take(self) -> M | None:
         """The oldest message kept and not taken yet, None without one; MessageError for an invalid payload."""
-        sample = self._subscriber.try_recv()
-        return None if sample is None else self._decode(sample)
+        taken = self._taken()
+        return None if taken is None else self._decode(*taken)
 
     def take_named(self) -> tuple[str, M] | None:
         """As `take`, with the operator whose key the message came on; MessageError also for a key that is nobody's."""
-        sample = self._subscriber.try_recv()
-        return None if sample is None else (self._channel.operator_in(str(sample.key_expr)), self._decode(sample))
+        taken = self._taken()
+        return None if taken is None else (self._channel.operator_in(taken[0]), self._decode(*taken))
 
     def wait(self) -> M:
         """Block until a message comes; MessageError for an invalid payload, TransportError once the link is closed.
 
         In a flood it pauses, so that it takes no more than the channel's `max_hz`; Zenoh keeps the newest meanwhile.
         """
-        self._hold_back()
-        try:
-            sample = self._subscriber.recv()
-        except zenoh.ZError as error:
-            raise TransportError("the link was closed") from error
-        self._cap.passed(time.monotonic_ns())
-        return self._decode(sample)
+        while True:
+            self._hold_back()
+            try:
+                sample = self._subscriber.recv()
+            except zenoh.ZError as error:
+                raise TransportError("the link was closed") from error
+            self._cap.passed(time.monotonic_ns())
+            payload = sample.payload.to_bytes()
+            if not self._is_copy(payload):
+                return self._decode(str(sample.key_expr), payload)
 
     def feed(self, take: Callable[[M, int], None]) -> None:
         """Pass each message with its arrival time (ns) to `take` until the link is closed; ignore invalid payloads."""
@@ -111,7 +122,17 @@ class Latest(Generic[M]):
         )
         structlog.get_logger().warning("too many messages", reason=sentence)
 
-    def _decode(self, sample: zenoh.Sample) -> M:
-        payload = sample.payload.to_bytes()
-        self._tap(str(sample.key_expr), payload, sent=False)
+    def _taken(self) -> tuple[str, bytes] | None:
+        """Key and payload of the oldest message kept, of copies the first; None without one."""
+        while (sample := self._subscriber.try_recv()) is not None:
+            payload = sample.payload.to_bytes()
+            if not self._is_copy(payload):
+                return str(sample.key_expr), payload
+        return None
+
+    def _is_copy(self, payload: bytes) -> bool:
+        return self._copies is not None and self._copies.is_copy(payload)
+
+    def _decode(self, key: str, payload: bytes) -> M:
+        self._tap(key, payload, sent=False)
         return decode(payload, self._channel.message, self._channel.max_bytes)

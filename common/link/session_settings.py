@@ -11,10 +11,12 @@ from common.link.config import TlsConfig
 from common.link.credentials import Credentials
 from common.link.endpoints import Endpoint
 
-LEASE_MS = 1000
+LEASE_MS = 2000  # longer than most outages: to connect again takes a second more where QUIC loses its first packet
 KEEP_ALIVES_PER_LEASE = 4
 OPEN_TIMEOUT_MS = 2500  # five round trips of 500 ms; a longer one would delay the return after a partition
 RETRY = {"period_init_ms": 100, "period_max_ms": 500, "period_increase_factor": 2}
+LANE_RETRY = {"period_init_ms": 1000, "period_max_ms": 2000, "period_increase_factor": 2}  # a listener takes one by one
+AT_ONCE = "open/return_conditions/connect_scouted", "open/return_conditions/declares"  # False: opened without waiting
 FOR_EVER = -1  # in the background; a client would block
 CLIENT_TIMEOUT_MS = 500
 MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # of fragments, before a check
@@ -35,13 +37,14 @@ class Mode(StrEnum):
 class SessionEndpoints:
     """Where a session listens and where it connects to; `send_buffer_bytes` None is the system's choice.
 
-    TransportError when QUIC is to have a bounded buffer.
+    A `lane` (`lanes.py`) lets the session go first that it is beside. TransportError when QUIC is to have a bounded buffer.
     """
 
     mode: Mode
     listen: tuple[Endpoint, ...] = ()
     connect: tuple[Endpoint, ...] = ()
     send_buffer_bytes: int | None = None
+    lane: bool = False
 
     def __post_init__(self) -> None:
         for endpoint in (*self.listen, *self.connect):
@@ -72,7 +75,7 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
         "mode": endpoints.mode.value,
         "listen/endpoints": listening,
         "connect/endpoints": connecting,
-        "connect/retry": RETRY,
+        "connect/retry": LANE_RETRY if endpoints.lane else RETRY,
         "connect/timeout_ms": CLIENT_TIMEOUT_MS if endpoints.mode is Mode.CLIENT else FOR_EVER,
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
@@ -92,6 +95,8 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
         "downsampling": rate_caps(),
         "qos/network": no_waiting(),
     }
+    if endpoints.lane:
+        settings |= dict.fromkeys(AT_ONCE, False)
     if (credentials := served.credentials) is not None:
         plain = not all(endpoint.is_secured for endpoint in (*endpoints.listen, *endpoints.connect))
         routed = endpoints.mode is Mode.CLIENT

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from types import TracebackType
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import zenoh
 
@@ -15,6 +15,7 @@ from common.link.channels import ANY, Channel, ChannelSession, Keyed, Priority, 
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.credentials import Credentials, load_credentials
 from common.link.endpoints import Endpoint, check_endpoint, check_free
+from common.link.lanes import LANES, LanePublisher
 from common.link.probe import VIEWERS_CURE, identity_refusal, refusal, speaks_tls
 from common.link.pubsub import Latest, Publisher
 from common.link.quic_doubt import QuicDoubt, blocked_sentence
@@ -58,8 +59,9 @@ class Link:
         credentials: Credentials | None = None,
         sessions: Collection[ChannelSession] = (),
         tap: MessageTap = untapped,
+        lanes: Sequence[zenoh.Session] = (),
     ) -> None:
-        self._session, self._tap = session, tap
+        self._session, self._tap, self._lanes = session, tap, lanes
         self._outgoing = outgoing
         self._credentials = credentials
         self._sessions = sessions
@@ -75,14 +77,17 @@ class Link:
         self.close()
 
     def close(self) -> None:
-        """Close the session with everything declared on it; closing twice is harmless.
+        """Close the sessions with everything declared on them; closing twice is harmless.
 
         It waits for CLOSE_PATIENCE_S at most: for a neighbour that is gone Zenoh would wait until its lease is over.
         """
-        if not self._session.is_closed():
-            closing = threading.Thread(target=self._session.close, name="close", daemon=True)
-            closing.start()
-            closing.join(CLOSE_PATIENCE_S)
+        open_sessions = (session for session in (*self._lanes, self._session) if not session.is_closed())
+        closing = [threading.Thread(target=session.close, name="close", daemon=True) for session in open_sessions]
+        for each in closing:
+            each.start()
+        until_s = time.monotonic() + CLOSE_PATIENCE_S
+        for each in closing:
+            each.join(max(until_s - time.monotonic(), 0.0))
 
     def publisher(self, channel: Channel[M], cell: str, name: str = ANY, *, operator: str = ANY) -> Publisher[M]:
         """A publisher of a channel in a cell; `name` tells apart channels of one kind, such as cameras."""
@@ -90,15 +95,9 @@ class Link:
         self._check(channel.session, channel.sent_by, cell, f"send {key}")
         self._check_operator(channel, operator, f"send {key}")
         wire_form(channel.message)  # built here, and not in the control tick that sends the first
-        return Publisher(
-            self._session.declare_publisher(
-                key,
-                priority=PRIORITIES[channel.priority],
-                congestion_control=zenoh.CongestionControl.DROP,
-                reliability=RELIABILITY_IF_BEST_EFFORT[channel.best_effort],
-            ),
-            self._tap,
-        )
+        in_lanes = [_declare(lane, key, channel) for lane in self._lanes] if channel.in_lanes else []
+        lanes = LanePublisher(in_lanes) if in_lanes else None
+        return Publisher(_declare(self._session, key, channel), self._tap, lanes)
 
     def latest(self, channel: Channel[M], cell: str, name: str = ANY, *, operator: str = ANY) -> Latest[M]:
         """A subscription that keeps only the newest messages of one key, as many as the channel's depth."""
@@ -239,6 +238,15 @@ class Link:
             )
 
 
+def _declare(session: zenoh.Session, key: str, channel: Channel[Any]) -> zenoh.Publisher:
+    return session.declare_publisher(
+        key,
+        priority=PRIORITIES[channel.priority],
+        congestion_control=zenoh.CongestionControl.DROP,
+        reliability=RELIABILITY_IF_BEST_EFFORT[channel.best_effort],
+    )
+
+
 def _leads_to(link: zenoh.Link, endpoint: Endpoint) -> bool:
     """Whether protocol and port match; the host does not, as Zenoh reports its address instead of its name."""
     destination = link.dst.partition("?")[0]
@@ -261,6 +269,7 @@ def open_link(
     operators: Sequence[str] = (),
     send_buffer_bytes: int | None = None,
     through_router: bool = False,
+    in_lanes: bool = False,
     should_stop: Callable[[], bool] = lambda: False,
     tap: MessageTap = untapped,
 ) -> Link:
@@ -271,19 +280,23 @@ def open_link(
     size of each connection's send buffer, None for the system's choice, which is megabytes. Listening fails immediately
     when the port is taken. Connecting continues in the background until the other side listens; RefusedError when it
     does but refuses us, or we refuse it. `through_router` is for a site that no other can connect to: all messages go
-    through the router at `connect`, which is awaited for ROUTER_PATIENCE_S, or until `should_stop`. The `tap` is called
-    with every message of the link's publishers, subscriptions and servers.
+    through the router at `connect`, which is awaited for ROUTER_PATIENCE_S, or until `should_stop`. With `in_lanes`
+    what channels send in lanes goes over connections of its own too where `connect` is QUIC. The `tap` is called with every
+    message of the link's publishers, subscriptions and servers.
     """
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)
     credentials = _credentials((*listening, *outgoing), security)
     mode = Mode.CLIENT if through_router else Mode.PEER
     endpoints = SessionEndpoints(mode, listening, outgoing, send_buffer_bytes)
+    by_quic = tuple(endpoint for endpoint in outgoing if endpoint.is_quic) if in_lanes else ()
     served = Served(credentials, tuple(operators))
     session = (
         _open_through_router(endpoints, served, should_stop) if through_router else open_session(endpoints, served)
     )
-    link = Link(session, outgoing, credentials, sessions, tap)
+    lane = SessionEndpoints(mode, connect=by_quic, lane=True)
+    lanes = [open_session(lane, served) for _ in range(LANES)] if by_quic else []
+    link = Link(session, outgoing, credentials, sessions, tap, lanes)
     try:
         link.check_connected()
     except RefusedError:

@@ -96,7 +96,9 @@ def _open_site(config: LocalConfig, stack: ExitStack) -> LocalSite:
     capture = Capture(operator.cameras, config.capture, clock)
     stack.callback(capture.close)
     stack.callback(notify, "STOPPING=1")
-    link = stack.enter_context(open_link(listen=(links.listen,), connect=(links.remote,), security=links))
+    link = stack.enter_context(
+        open_link(listen=(links.listen,), connect=(links.remote,), security=links, in_lanes=True)
+    )
     session = secrets.randbits(SESSION_BITS)
     authority = stack.enter_context(Authority(link, cell, wanted.name, session, automatic=wanted.automatic))
     views = CAMERAS[: len(operator.cameras)]

@@ -43,7 +43,7 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
     try:
         check_links((links.remote, links.listen), links, config.bearer)
         _check_alone(links.listen, links)
-        with open_link(listen=(links.listen,), connect=(links.remote,), security=links) as link:
+        with open_link(listen=(links.listen,), connect=(links.remote,), security=links, in_lanes=True) as link:
             cell = _description(link, config.cell, should_stop)
             if cell is None:
                 return

@@ -90,10 +90,14 @@ class SampleValidator:
         if age_ns < 0:
             return reason(Code.FUTURE, ahead_ms=-age_ns / NS_PER_MS)
         self._age_limit.see(sample, now_ns - age_ns, now_ns)
+        # Whatever its number: one that was damaged does not make all samples after it old.
+        if sample.session == self._session and sample.capture_ns <= self._capture_ns:
+            return self._repeated(sample)  # whatever its age: a copy that came last says nothing about the newest
         if age_ns > (limit_ns := self._age_limit.soft_ns):
             return reason(Code.STALE, age_ms=age_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
-        if sample.session != self._session or sample.capture_ns > self._capture_ns:
-            return None  # whatever its number: one that was damaged does not make all samples after it old
+        return None
+
+    def _repeated(self, sample: HandArm) -> Reason:
         if sample.seq == self._seq:
             return reason(Code.DUPLICATE, seq=sample.seq)
         return reason(Code.OLD, seq=sample.seq, newest=self._seq)
