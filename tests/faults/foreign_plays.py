@@ -13,7 +13,8 @@ from common.link.transport import open_link
 from common.messages.recording import EpisodeOutcome, RecordingState
 from common.messages.video import VideoFrame, ViewCame, ViewShown, ViewsShown
 from remote_site.recording.control_tap import UNREADABLE
-from remote_site.recording.memory import RecordingMemory, memory_path
+from remote_site.recording.memory import RecordingMemory
+from remote_site.recording.memory_files import memory_place
 from tests.faults.cell_pair import CellPair
 from tests.faults.pair_setup import CELL, OPERATOR
 from tests.faults.trial import Trial
@@ -40,7 +41,7 @@ def record_strangely(trial: Trial) -> None:
     """A recorder writes what this release does not know, and what nobody can read: the arm follows on."""
     pair = trial.pair
     pair.move()
-    memory = RecordingMemory.attach(memory_path(CELL, pair.config.links))
+    memory = RecordingMemory.attach(memory_place(CELL, pair.config.links))
     assert memory is not None, "the site has made no memory for a recorder"
     try:
         trial.begin(lambda _: None)
