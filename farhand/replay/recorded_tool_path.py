@@ -1,8 +1,7 @@
 """The tool's path of a recorded episode, as the hand led it: to be run on a robot again."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -44,11 +43,12 @@ def recorded_path(file: Path, cell: str, episode: int | None) -> RecordedPath:
     chosen = _chosen(file, read_episodes(parts_from(file)), episode)
     if chosen.begin_ns is None:
         raise RecordingError(f"episode {chosen.number} begins in a file before {file}: give the one where it begins")
-    found = _states(file, STATE.key_for(cell), chosen.begin_ns, chosen.end_ns)
-    states = [state for state in found if state.target is not None]
-    if len(states) < 2:
+    states = list(_states(file, STATE.key_for(cell), chosen.begin_ns, chosen.end_ns))
+    followed = [state for state in states if _follows(state)]
+    if len(followed) < 2:
         raise RecordingError(f"in episode {chosen.number} of {file} the arm never followed the hand: choose another")
-    return RecordedPath(chosen.number, path_of(states), OPPOSITE[states[0].gripper_next] if states[0].gripper else None)
+    start = followed[0]
+    return RecordedPath(chosen.number, path_of(states), OPPOSITE[start.gripper_next] if start.gripper else None)
 
 
 def check_cell(recorded: Description, cell: Description) -> None:
@@ -78,32 +78,66 @@ def _states(file: Path, topic: str, begin_ns: int, end_ns: int | None) -> Iterat
     for part in parts_from(file):
         with RecordingReader(part) as recording:
             for message in recording.messages([topic], begin_ns, end_ns):
-                state = decode(message.data, RobotState, STATE.max_bytes)
-                if state.state is SessionState.ENGAGED:
-                    yield state
+                yield decode(message.data, RobotState, STATE.max_bytes)
 
 
-def path_of(states: Sequence[RobotState]) -> ToolTrajectory:
-    """The targets one after the other; from one engagement, or hold, to the next by a slow approach."""
-    times, poses, actions = list[float](), list[Array](), list[GripperAction]()
-    for _, stretch in groupby(states, key=_origin):
-        kept = list(stretch)
-        begin_s = 0.0
-        if poses:
-            crossing = approach(poses[-1], _target(kept[0]))
-            poses += [crossing.base_T_tool(at_s) for at_s in crossing.t_s[1:-1]]
-            times += [times[-1] + at_s for at_s in crossing.t_s[1:-1].tolist()]
-            begin_s = times[-1] + STEP_S
-        for before, state in zip([kept[0], *kept], kept, strict=False):
-            at_s = begin_s + (state.t_ns - kept[0].t_ns) / NS_PER_S
-            if times and at_s <= times[-1]:
-                continue
-            times.append(at_s)
-            poses.append(_target(state))
-            if (state.gripper_toggles_applied - before.gripper_toggles_applied) % 2:
-                actions.append(GripperAction(at_s, before.gripper_next))
-    orientations = Rotation.from_matrix(np.array(poses)[:, :3, :3]).as_quat()
-    return ToolTrajectory(np.array(times), np.array(poses)[:, :3, 3], orientations, actions=tuple(actions))
+def path_of(states: Iterable[RobotState]) -> ToolTrajectory:
+    """The targets one after the other; from one engagement, or hold, to the next by a slow approach.
+
+    States have the time of the robot's reading. Several of one reading are one place of the path, but each toggle of
+    the gripper counts, also where the arm does not follow.
+    """
+    path = _PathUnderWay()
+    for state in states:
+        if _follows(state):
+            path.add(state)
+        path.note_gripper(state)
+    poses = np.array(path.poses)
+    orientations = Rotation.from_matrix(poses[:, :3, :3]).as_quat()
+    return ToolTrajectory(np.array(path.t_s), poses[:, :3, 3], orientations, actions=tuple(path.actions))
+
+
+class _PathUnderWay:
+    """The path as far as it is known: poses (4 x 4) at the times `t_s`, and what the gripper did until then."""
+
+    def __init__(self) -> None:
+        self.t_s, self.poses, self.actions = list[float](), list[Array](), list[GripperAction]()
+        self._origin: tuple[int, int] | None = None
+        self._begin_s, self._begin_ns = 0.0, 0
+        self._before: RobotState | None = None
+
+    def add(self, state: RobotState) -> None:
+        """Go on to the target of a state in which the arm follows, unless it is no later than the last."""
+        if _origin(state) != self._origin:
+            self._begin(state)
+        at_s = self._begin_s + (state.t_ns - self._begin_ns) / NS_PER_S
+        if not self.t_s or at_s > self.t_s[-1]:
+            self.t_s.append(at_s)
+            self.poses.append(_target(state))
+
+    def note_gripper(self, state: RobotState) -> None:
+        """Have the gripper do what toggles since the state before have commanded."""
+        before, restarts = self._before, self._before is not None and self._before.session != state.session
+        toggles = 0 if before is None or restarts else state.gripper_toggles_applied - before.gripper_toggles_applied
+        if toggles < 0:
+            return  # it comes late
+        if before is not None and toggles and self.t_s:
+            command = before.gripper_next if toggles % 2 else OPPOSITE[before.gripper_next]
+            self.actions.append(GripperAction(self.t_s[-1], command))
+        self._before = state
+
+    def _begin(self, state: RobotState) -> None:
+        """Cross to where the arm follows from now on."""
+        if self.poses:
+            crossing = approach(self.poses[-1], _target(state))
+            self.poses += [crossing.base_T_tool(at_s) for at_s in crossing.t_s[1:-1]]
+            self.t_s += [self.t_s[-1] + at_s for at_s in crossing.t_s[1:-1].tolist()]
+        self._begin_s = self.t_s[-1] + STEP_S if self.t_s else 0.0
+        self._origin, self._begin_ns = _origin(state), state.t_ns
+
+
+def _follows(state: RobotState) -> bool:
+    return state.state is SessionState.ENGAGED and state.target is not None
 
 
 def _origin(state: RobotState) -> tuple[int, int]:

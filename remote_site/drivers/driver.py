@@ -138,9 +138,9 @@ class Driver(Protocol):
     `configure` comes once. `activate` makes the robot take commands from rest at `q0`, where it was read; the `fault`
     of `read` shows when it does. `read` raises while nothing has been measured. `write` sends a motion that the
     driver's process has checked, and returns what was really sent; only its OPEN and CLOSED move the gripper, and no
-    other call does: within `gripper_orders.ORDER_NS` or never, and not after KEEP, a stop or an activation. `stop` brings the robot to rest immediately and may be repeated; then only a new activation moves
-    it. A fault that one reading shows is kept by the driver's process until the next activation. `deactivate` ends it
-    all.
+    other call does: within `gripper_orders.ORDER_NS` or never, and not after KEEP, a stop or an activation. `stop`
+    brings the robot to rest immediately and may be repeated; then only a new activation moves it. A fault that one
+    reading shows is kept by the driver's process until the next activation. `deactivate` ends it all.
     """
 
     @property

@@ -39,7 +39,14 @@ from tests.faults.plays import (
     unswung,
     usurped,
 )
-from tests.faults.process_plays import close_page, kill_console, kill_control, kill_remote, late_page
+from tests.faults.process_plays import (
+    close_page,
+    kill_console,
+    kill_control,
+    kill_remote,
+    late_page,
+    pause_driver,
+)
 from tests.faults.reach_plays import reach_out, start_outside, sweep_wrist, wander
 from tests.faults.viewer_plays import watch_in_crowds
 
@@ -81,6 +88,7 @@ ROWS = (
     Row("local process killed -9", LATCHES, latch(kill_local, RESTART, says="old")),
     Row("control process killed -9", "the driver's process stops the arm; restart disengaged", kill_control, settings=AUTOMATIC),
     Row("control process stalls 200 ms", "the driver's process begins the stop; continue", blink(control_gets(SIGSTOP), control_gets(SIGCONT), 0.2)),
+    Row("driver's process pauses 80 ms, position arm", "goes on from where it was sent, in no longer steps", pause_driver(0.08), settings=("driver.name=recorded_arm",)),
     Row("remote site killed -9", "the robot's own watchdog stops it; restart disengaged", kill_remote, settings=("driver.name=c500c",)),
     Row("remote site restarted with the gripper holding", "the gripper keeps what it holds until a toggle", restart_while_holding, settings=("driver.name=c500c",)),
     Row("gripper's link is down while it is told to open, then stop, reset, engage", "withdrawn; the gripper keeps what it holds", miss_an_order, settings=("driver.name=gripping",)),

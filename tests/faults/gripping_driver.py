@@ -1,4 +1,4 @@
-"""The recording driver with the FR3's gripper: its orders, its loop, and fingers whose link goes and comes on command."""
+"""The recording driver with the FR3's gripper: its orders, its loop, and fingers whose link goes on command."""
 
 import threading
 import time

@@ -20,6 +20,7 @@ WALL_CLOCK = Path(__file__).with_name("wall_clock.c")
 ENTRY_POINTS = """[farhand.drivers]
 recording = tests.faults.recording_driver:RecordingDriver
 gripping = tests.faults.gripping_driver:GrippingDriver
+recorded_arm = tests.faults.recorded_arm:recorded_arm
 """
 VIDEO = 'video.cameras=[{name="side",source="/dev/null-camera"}]'
 

@@ -1,4 +1,4 @@
-"""Processes that die while the arm moves: control, the whole remote site, the operator's page or its console."""
+"""Processes that pause or die while the arm moves: control, the driver's, the remote site, the page or its console."""
 
 import os
 import signal
@@ -9,12 +9,16 @@ import numpy as np
 from bench.network.command_socket import send
 from common.messages.robot import SessionState
 from tests.faults.cell_pair import CellPair
+from tests.faults.driver_log import ROUNDING
+from tests.faults.plays import Play
+from tests.faults.recorded_arm import RecordedArm
 from tests.faults.trial import Trial
 from tests.integration.sites import child_of
 
 WATCHDOG_MS = 200.0  # of the A465's controller
 SILENT_S = 0.4  # until a console that is gone counts as silent: 200 ms, a sample, its path
 LATE_S = 3.0
+PAUSES, BETWEEN_S = 6, 0.9
 LOCKED_MM = 5.0  # of z, whose hand sweeps 80: the joints lag differently while the arm moves fast
 FOLLOWED_MM = 20.0
 
@@ -37,6 +41,28 @@ def kill_remote(trial: Trial) -> None:
     trial.begin(lambda pair: os.killpg(pair.remote.pid, signal.SIGKILL))
     trial.rests(stop_within_s=WATCHDOG_MS / 1e3)
     start_again(trial)
+
+
+def pause_driver(pauses_s: float) -> Play:
+    """A position arm's driver pauses again and again: no step is longer than a period's motion at full speed."""
+
+    def play(trial: Trial) -> None:
+        pair = trial.pair
+        pair.move()
+        trial.begin(lambda _: None)
+        for _ in range(PAUSES):
+            driver = child_of(pair.remote, "farhand-driver")
+            os.kill(driver, signal.SIGSTOP)
+            time.sleep(pauses_s)
+            os.kill(driver, signal.SIGCONT)
+            time.sleep(BETWEEN_S)
+        steps = np.abs(np.diff(trial.log.q, axis=0)) * RecordedArm.rate_hz / pair.limits.velocity
+        trial.note(f"the longest step was {steps.max():.2f} of a period's at full speed")
+        trial.check(steps.max() <= ROUNDING, f"a step was {steps.max():.2f} of a period's at full speed")
+        trial.check(pair.is_in(SessionState.ENGAGED), f"it does not follow: {pair.state.reason}")
+        trial.obeys_nothing_old()
+
+    return play
 
 
 def start_again(trial: Trial) -> None:

@@ -60,7 +60,7 @@ def _not_after_a_stop(trial: Trial, command: GripperCommand, opening_m: float) -
     trial.driver.write(_order(trial, command))
     trial.driver.stop()
     trial.run(trial.lag_ms + BEGINS_MS)
-    begun = abs(_opening_m(trial.log) - opening_m) > KEEPS_M
+    begun = _moved(trial, opening_m, KEEPS_M)
     trial.activate()
     _rest(trial, LATER_MS, GripperCommand.KEEP)
     if not begun:
@@ -74,10 +74,16 @@ def _not_after_a_pause(trial: Trial, command: GripperCommand, opening_m: float, 
     trial.clock.sleep_until_ns(since_ns)
     while trial.last().t_ns < since_ns and trial.clock.now_ns() - since_ns < trial.lag_ms * NS_PER_MS:
         trial.run(STEP_MS)
-    done = abs(_opening_m(trial.log) - opening_m) > stroke_m / 2
+    done = _moved(trial, opening_m, stroke_m / 2)
     trial.run(LATER_MS)
     if not done:
         _kept(trial, opening_m, f"as it was commanded ({command.value}) {GRIP_MS} ms before, when it was not called")
+
+
+def _moved(trial: Trial, opening_m: float, least_m: float) -> bool:
+    """The fingers are at least so far from this opening, or move, and cannot be measured meanwhile."""
+    grip = trial.last().gripper
+    return grip is None or abs(grip.opening_m - opening_m) > least_m
 
 
 def _left(trial: Trial, command: GripperCommand) -> float:

@@ -87,9 +87,9 @@ class PacedWriter:
 
     The plan advances by a tick with each command. A slow robot gets the newest motion once a period, or one between two
     where the newest would come too early, again if it is the same; a fast one gets each motion once, as soon as the
-    scheduler allows. One that holds gets no position further than a period's motion at full speed from the one
-    before it. What the gripper is ordered is begun in no stop, and not where it is too old. To be read: `command` (the newest of control's), `written` (the motion that was written last, and
-    when).
+    scheduler allows. One that holds gets no position further than a period's motion at full speed from the one before
+    it. What the gripper is ordered is begun in no stop, and not where it is too old. To be read: `command` (the newest
+    of control's), `written` (the motion that was written last, and when).
     """
 
     def __init__(self, driver: WatchedDriver, capabilities: Capabilities, setup: DriverSetup) -> None:

@@ -6,20 +6,24 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from common.clock import NS_PER_MS
 from common.errors import RecordingError, RefusedError
 from common.geometry import rotation_from_vector, transform
 from common.messages.recording import EpisodeOutcome
 from common.messages.requests import RecordAction
-from common.messages.robot import Engagement, GripperCommand, Pose
+from common.messages.robot import Engagement, GripperCommand, Pose, SessionState
 from common.recording.config import RecordConfig
 from common.recording.repair import repair
 from farhand.replay.recorded_scene import recorded_cell
 from farhand.replay.recorded_tool_path import check_cell, path_of, recorded_path
 from local_site.programmed.approach import SPEED_M_S
+from local_site.programmed.tool_trajectory import GripperAction
+from remote_site.teleop.gripper_toggles import OPPOSITE
 from tests.common.messages.golden_examples import STATE
 from tests.farhand.replay.recorded_states import moves_back, recorded_states
 from tests.remote_site.driven_loop import CONFIG
 from tests.remote_site.recording.recorded_site import RecordedSite
+from tests.remote_site.runtime.started_site import StartedSite, a465_holding
 
 STEP_NS = 10_000_000
 TOOL = transform(rotation_from_vector(np.array([0.1, 0.0, 0.3])), np.array([0.4, 0.1, 0.3]))
@@ -54,6 +58,76 @@ def test_a_toggle_becomes_what_it_commanded_at_its_time():
     actions = path_of([*first, *then, *last]).actions
     assert [action.command for action in actions] == [GripperCommand.CLOSED, GripperCommand.OPEN]
     assert [action.t_s for action in actions] == pytest.approx([1.01, 2.01])
+
+
+def slow(states, period_ns):
+    """The same states of a robot that is read so seldom."""
+    return [replace(state, t_ns=state.t_ns - state.t_ns % period_ns) for state in states]
+
+
+@pytest.mark.parametrize("period_ms", [10, 20, 67, 100])
+def test_every_toggle_of_a_robot_however_seldom_read_becomes_an_action_in_order_and_at_its_time(period_ms):
+    count, every = 36, 41  # states from one toggle to the next
+    states, grip = stretch(0, every, 0.0), GripperCommand.CLOSED
+    for k in range(1, count + 1):
+        grip = OPPOSITE[grip]
+        states += stretch(k * every * STEP_NS, every, 0.001 * k * every, toggles=k, gripper_next=grip)
+    actions = path_of(slow(states, period_ms * NS_PER_MS)).actions
+    assert [action.command for action in actions] == [GripperCommand.CLOSED, GripperCommand.OPEN] * (count // 2)
+    assert [action.t_s for action in actions] == pytest.approx(
+        [k * every * 0.01 for k in range(1, count + 1)], abs=period_ms / 1000
+    )
+
+
+@pytest.mark.parametrize("word", [SessionState.HOLDING, SessionState.DISENGAGED])
+def test_a_toggle_that_is_first_seen_where_the_arm_does_not_follow_counts_where_it_stood(word):
+    first, between = stretch(0, 101, 0.0), stretch(101 * STEP_NS, 20, 0.101, toggles=1)
+    between = [replace(state, state=word, target=None) for state in between]
+    then = stretch(300 * STEP_NS, 50, 0.101, number=2, toggles=1, gripper_next=GripperCommand.OPEN)
+    actions = path_of([*first, *between, *then]).actions
+    assert actions == (GripperAction(pytest.approx(1.0), GripperCommand.CLOSED),)
+
+
+def test_of_toggles_at_once_the_gripper_does_what_they_commanded_in_the_end():
+    first, then = stretch(0, 50, 0.0), stretch(50 * STEP_NS, 50, 0.05, toggles=2)
+    assert [action.command for action in path_of([*first, *then]).actions] == [GripperCommand.OPEN]
+
+
+def test_a_toggle_counts_once_also_where_states_come_late_or_the_remote_site_has_started_again():
+    first, then = stretch(0, 50, 0.0, toggles=3), stretch(50 * STEP_NS, 50, 0.05, toggles=4)
+    again = [replace(state, session=state.session + 1) for state in stretch(200 * STEP_NS, 50, 0.1, number=1)]
+    toggled = stretch(250 * STEP_NS, 9, 0.15, toggles=1, gripper_next=GripperCommand.OPEN)
+    states = [*first, *then[:5], first[9], *then[5:], *again, *(replace(s, session=s.session + 1) for s in toggled)]
+    assert [action.command for action in path_of(states).actions] == [GripperCommand.CLOSED] * 2
+
+
+def test_all_toggles_of_the_emulated_a465_are_replayed():
+    site = StartedSite(a465_holding()).ready().engaged()
+    states, commanded = [], []
+    for _ in range(16):
+        site.toggles += 1
+        for _ in range(75):
+            states.append(state_of(site))
+            site.run(20)
+        commanded.append(site.driven.command.gripper)
+    states.append(state_of(site))
+    assert [action.command for action in path_of(states).actions] == commanded
+    assert len(set(commanded)) == 2
+
+
+def state_of(site):
+    """The state that control would publish now, of a tool at rest."""
+    report, snapshot = site.driven.report, site.snapshot
+    return replace(
+        STATE,
+        t_ns=report.t_ns,
+        state=snapshot.state,
+        engagement=snapshot.engagement,
+        target=Pose.from_transform(snapshot.target),
+        gripper=report.gripper,
+        gripper_toggles_applied=snapshot.gripper_toggles,
+        gripper_next=snapshot.gripper_next,
+    )
 
 
 def test_a_pause_is_cut_out_and_what_the_arm_was_moved_meanwhile_is_crossed_slowly():

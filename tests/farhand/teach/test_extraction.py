@@ -89,3 +89,13 @@ def numbers(label):
 def test_the_recordings_gripper_is_kept(tmp_path):
     file = recorded_states(tmp_path).file
     assert extracted(file, tmp_path, None, 2.0, 2.0).task.gripper_at_start == "closed"
+
+
+def test_each_action_of_a_recording_becomes_a_way_point_with_its_grip():
+    t_s = np.arange(0.0, 8.0, 0.067)
+    positions = np.column_stack([0.05 * t_s, np.full(len(t_s), 0.3), np.zeros(len(t_s))])
+    turns = np.tile([0.0, 0.0, 0.0, 1.0], (len(t_s), 1))
+    grips = [GripperCommand.CLOSED, GripperCommand.OPEN] * 9
+    actions = tuple(GripperAction(float(t_s[6 * k + 6]), grip) for k, grip in enumerate(grips))
+    task = task_of(ToolTrajectory(t_s, positions, turns, actions=actions), ORIGIN, None)
+    assert [point.gripper for point in task.waypoints if point.gripper is not None] == ["closed", "open"] * 9

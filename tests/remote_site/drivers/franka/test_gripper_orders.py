@@ -1,4 +1,4 @@
-"""An order to the FR3's gripper is done within a second, over a link that was up, and by no later activation; or never."""
+"""An order to the FR3's gripper is done within a second, over a link that was up, by no later activation; or never."""
 
 from collections.abc import Callable
 
