@@ -130,6 +130,11 @@ class Code(StrEnum):
         "release the lease and take it again",
     )
     PAUSED = "paused", "control paused for {paused_ms:.0f} ms (limit {limit_ms:.0f} ms)"
+    SLOW = (
+        "slow",
+        "{who} has not kept up for a second: a turn takes {took_ms:.0f} ms (limit {limit_ms:.0f} ms); "
+        "end what else runs on this machine, or take a faster one",
+    )
     FAULT = "fault", "{cause}; reset it, then engage"
     # the target
     OUT_OF_REACH = (

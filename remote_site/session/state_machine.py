@@ -11,6 +11,7 @@ from remote_site.drivers.faults import RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import SafetyConfig
+from remote_site.safety.turn_watch import LONGEST_TURN_NS, TurnWatch
 from remote_site.session.age_limit import AgeLimit
 from remote_site.session.config import EngagementConfig
 from remote_site.session.engagement_intent import EngagementIntent
@@ -99,7 +100,7 @@ class Session:
         self._lease: Lease | None = None
         self._holder: Holder | None = None
         self._stopped: Reason | None = None
-        self._ticked_ns: int | None = None
+        self._ticks = TurnWatch()
 
     @property
     def held(self) -> bool:
@@ -189,10 +190,12 @@ class Session:
     def tick(self, now_ns: int, robot: Robot) -> Decision:
         """Decide what this tick does."""
         requested, self._intent.requested = self._intent.requested, False
-        paused_ns = now_ns - (self._ticked_ns or now_ns)
-        self._ticked_ns = now_ns
+        self._ticks.note(now_ns)
+        paused_ns = self._ticks.took_ns
         if robot.diverted:
             self._hold.divert(now_ns)
+        if self.state in FOLLOWING and (slow := self._slow()) is not None:
+            self.fault(slow.sentence)
         if self.state is SessionState.FAULT:
             return self._decide(Action.STOP)
         if self.state is SessionState.DISENGAGED:
@@ -272,12 +275,19 @@ class Session:
             return reason(Code.SITE_STARTING)
         if self._lease is None:
             return reason(Code.NO_LEASE)
+        if (slow := self._slow()) is not None:
+            return slow
         if not robot.ready:
             return reason(Code.ROBOT_NOT_READY, reason=robot.reason)
         if not robot.resting:
             return reason(Code.MOVING)
         unfit = self._hand.too_slow() or self._hand.unfit(now_ns) or self._page_silence()
         return unfit or self._hand.collecting(self._hand.frames)
+
+    def _slow(self) -> Reason | None:
+        """Why control is too slow to lead an arm, None while it keeps up."""
+        took_ms, limit_ms = self._ticks.slow_ns / NS_PER_MS, LONGEST_TURN_NS / NS_PER_MS
+        return reason(Code.SLOW, who="control", took_ms=took_ms, limit_ms=limit_ms) if took_ms else None
 
     def _page_silence(self) -> Reason | None:
         """Why the arm waits for the operator's page; with hold-to-run or a pedal its silence is a release instead."""

@@ -104,13 +104,14 @@ class ArmLoop:
         self._motion = PlayedMotion(state.held, q0, self._setup)
 
     def _drive(self, port: MotionPort) -> None:
-        before, state = self._watch.state, self._watch.read(port)
+        before, stamped_ns, state = self._watch.state, self._watch.stamp_ns, self._watch.read(port)
         motion = self._motion
         if motion is None:
             return
         if self._brakes:
             motion.brake()
-        ticks = 1 if before is None else max(round((state.t_ns - before.t_ns) / NS_PER_MS), 1)
+        is_newer = self._watch.stamp_ns > stamped_ns  # a state whose time lies far ahead is not
+        ticks = max(round((state.t_ns - before.t_ns) / NS_PER_MS), 1) if before is not None and is_newer else 1
         q = motion.step(ticks, self._watch.stamp_ns)
         if motion.fault is not None and self._fault is None and self._q0 is None:
             self._fault = motion.fault

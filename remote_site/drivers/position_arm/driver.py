@@ -47,7 +47,7 @@ class PositionArmDriver:
         )
         calls = ArmCalls(arm, clock)
         self._calls: Calls = ThreadedCalls(calls, clock) if arm.threaded else calls
-        self._readings = ArmReadings(self._calls, arm.joints, round(arm.speed_over_ms * NS_PER_MS))
+        self._readings = ArmReadings(self._calls, arm.joints, round(arm.speed_over_ms * NS_PER_MS), clock)
         self._setup: DriverSetup | None = None
         self._silence = Silence(0)
         self._sent: JointCommand | None = None

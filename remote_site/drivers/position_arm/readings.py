@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, Clock
 from common.errors import DriverError
 from remote_site.drivers.driver import GripperReading, RobotReading
 from remote_site.drivers.position_arm.calls import Calls, Measurement
@@ -14,8 +14,8 @@ from remote_site.drivers.position_arm.speed import SpeedOverWindow
 class ArmReadings:
     """The readings of `joints` joints, with speeds over `window_ns`."""
 
-    def __init__(self, calls: Calls, joints: int, window_ns: int) -> None:
-        self._calls, self._joints, self._window_ns = calls, joints, window_ns
+    def __init__(self, calls: Calls, joints: int, window_ns: int, clock: Clock) -> None:
+        self._calls, self._joints, self._window_ns, self._clock = calls, joints, window_ns, clock
         self._speed = SpeedOverWindow(window_ns)
         self._newest: RobotReading | None = None
         self._newest_ns = 0
@@ -41,8 +41,11 @@ class ArmReadings:
         return self._newest
 
     def _take(self, measured: Measurement) -> None:
-        """One with the stamp of the last is not new."""
-        before_ns = self._newest_ns - measured.t_ns
+        """One with the stamp of the last is not new; one that lies ahead is refused, or it would bar those after it."""
+        before_ns, ahead_ns = self._newest_ns - measured.t_ns, measured.t_ns - self._clock.now_ns()
+        if ahead_ns > 0:
+            ahead = f"the arm's positions were measured {ahead_ns / NS_PER_MS:g} ms in the future"
+            raise DriverError(f"{ahead}; stamp them by the clock of the DriverHost")
         if before_ns > 0:
             raise DriverError(f"the arm's positions were measured {before_ns / NS_PER_MS:g} ms before the last ones")
         if before_ns == 0:

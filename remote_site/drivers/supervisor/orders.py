@@ -7,6 +7,7 @@ from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.reasons import Code, reason
 from remote_site.safety.silence import Silence
+from remote_site.safety.turn_watch import LONGEST_TURN_NS, TurnWatch
 
 GRACE_TICKS = 3  # a command later than this finds the stop begun, and continues from within it
 
@@ -25,12 +26,16 @@ class DriverOrder:
 
 
 class CommandWatchdog:
-    """How late commands are, and how long control has been silent; pauses of this process itself do not count."""
+    """How late commands are, and how long control has been silent; pauses of this process itself do not count.
+
+    Nor is it watched by a process that always pauses: that is a fault.
+    """
 
     def __init__(self, setup: DriverSetup) -> None:
         self.timeout_ns = setup.command_timeout_ns
         self._grace_ns = round(GRACE_TICKS * setup.dt * NS_PER_S)
         self._silence = Silence(setup.command_timeout_ns // 2)
+        self._turns = TurnWatch()
         self._order_ns = 0
 
     def note_order(self, now_ns: int) -> None:
@@ -42,6 +47,11 @@ class CommandWatchdog:
         silent_ns = self._silence.of(max(command_ns or 0, self._order_ns), now_ns)
         return 0 if command_ns is None else silent_ns
 
+    def slow(self, now_ns: int) -> RobotFault | None:
+        """The fault of turns of this process that always take too long. To be called in every turn."""
+        self._turns.note(now_ns)
+        return slow_turns(self._turns.slow_ns) if self._turns.slow_ns else None
+
     def late(self, command_ns: int | None, now_ns: int) -> bool:
         """The last command is more than three ticks old."""
         return command_ns is not None and now_ns - command_ns > self._grace_ns
@@ -51,3 +61,11 @@ def command_timeout(silent_ns: int, limit_ns: int) -> RobotFault:
     """The fault of a control that was silent for too long."""
     why = reason(Code.COMMAND_TIMEOUT, age_ms=silent_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
     return RobotFault(FaultCode.COMMAND_TIMEOUT, why.sentence)
+
+
+def slow_turns(took_ns: int) -> RobotFault:
+    """The fault of a process of the driver that does not keep up."""
+    why = reason(
+        Code.SLOW, who="the driver's process", took_ms=took_ns / NS_PER_MS, limit_ms=LONGEST_TURN_NS / NS_PER_MS
+    )
+    return RobotFault(FaultCode.DEADLINE, why.sentence)

@@ -34,6 +34,7 @@ class SupervisorState(Enum):
     late         FOLLOWING             no command for 3 ticks [in motion]       BRAKING     begin stop, stop_count + 1
     late_rest    ACTIVE                no command for 3 ticks [at rest]         same        write the motion again
     silent       ACTIVE                no order for the time-out                STOPPING    begin stop, COMMAND_TIMEOUT
+    slow         ACTIVATING, ACTIVE    no turn in time for a second             IDLE        Driver.stop, DEADLINE
     stopped      STOPPING              stop written to its end, robot settled   HELD        Driver.stop
     robot_fault  DRIVEN                reading [fault]                          IDLE        Driver.stop, fault
     bad_reading  ACTIVATING, DRIVEN    reading [bad]                            IDLE        Driver.stop, fault

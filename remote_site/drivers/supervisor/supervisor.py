@@ -100,6 +100,9 @@ class DriverSupervisor:
     def _watch(self, now_ns: int) -> None:
         command_ns, limit_ns = self.commanded.command_ns, self._watchdog.timeout_ns
         silent_ns, late = self._watchdog.silent_ns(command_ns, now_ns), self._watchdog.late(command_ns, now_ns)
+        slow = self._watchdog.slow(now_ns)
+        if slow is not None and self.state in {*ACTIVE, SupervisorState.ACTIVATING}:
+            self._fail(slow)  # a process that is always late cannot lead the robot to rest either
         if self.state not in ACTIVE:
             return
         if silent_ns > limit_ns:

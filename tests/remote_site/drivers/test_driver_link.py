@@ -1,10 +1,12 @@
 """Control's side of the memory that it shares with the driver's process."""
 
 import numpy as np
+import pytest
 
-from common.clock import NS_PER_MS, MonotonicClock
+from common.clock import NS_PER_MS, FakeClock, MonotonicClock
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
+from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink
 from remote_site.drivers.memory import DriverMemory
 from remote_site.kinematics.joints import JointMotion
@@ -71,3 +73,47 @@ def test_every_order_arrives_once_and_lost_ones_are_never_torn():
     assert len(late) == 63
     assert all((order.command.q == order.command.seq).all() for order in late)
     assert memory.orders.take() == []
+
+
+class Listening:
+    """Control that reads the reports of a driver's process, which may cease or stand still."""
+
+    def __init__(self):
+        self._memory, self.clock = DriverMemory.create(6), FakeClock(10_000 * NS_PER_MS)
+        self.link = DriverLink(self._memory, LIMITS, self.clock)
+        self._reported_ns = 0
+
+    def read(self, after_ms, *, reports=True, measures=True):
+        """The fault's code, or None, after so many ms in which the driver's process reported, or did not."""
+        self.clock.advance_ms(after_ms)
+        now_ns, raw = self.clock.now_ns(), self._memory.report.read()
+        if reports:
+            t_ns = now_ns - NS_PER_MS if measures else raw.t_ns
+            report = raw._replace(at_ns=now_ns, t_ns=t_ns, oldest_ns=100 * NS_PER_MS, code=b"")
+            self._memory.report.write(report)
+        fault = self.link.read().fault
+        return None if fault is None else fault.code
+
+
+@pytest.mark.parametrize("tick_ms", [51, 60, 90, 200])
+def test_control_that_is_always_late_notices_a_dead_process_of_the_driver(tick_ms):
+    control = Listening()
+    assert [control.read(tick_ms) for _ in range(50)] == [None] * 50
+    codes = [control.read(tick_ms, reports=False) for _ in range(4)]
+    assert codes[-1] is FaultCode.PROCESS
+
+
+@pytest.mark.parametrize("tick_ms", [51, 60, 90, 200])
+def test_control_that_is_always_late_notices_a_reading_that_stands_still(tick_ms):
+    control = Listening()
+    assert [control.read(tick_ms) for _ in range(50)] == [None] * 50
+    codes = [control.read(tick_ms, measures=False) for _ in range(5)]
+    assert codes[-1] is FaultCode.SILENT
+
+
+def test_a_pause_of_control_blames_nobody():
+    control = Listening()
+    assert [control.read(4) for _ in range(200)] == [None] * 200
+    assert control.read(1000, reports=False) is None
+    assert [control.read(4, reports=False) for _ in range(20)] == [None] * 20
+    assert control.read(4) is None

@@ -21,6 +21,7 @@ from tests.remote_site.session.session_rig import (
     OTHERS,
     READY,
     REST,
+    SessionRig,
     engaged,
     good,
 )
@@ -48,6 +49,35 @@ def test_control_that_stood_still_holds_and_catches_nothing_up():
     assert decision.reason.sentence == "control paused for 101 ms (limit 100 ms)"
     assert rig.frames(2).state is SessionState.HOLDING
     assert rig.frames(1).action is Action.CAPTURE
+
+
+def slowly(rig, ticks, robot=READY):
+    """Ticks of 60 ms, each with a good sample."""
+    for _ in range(ticks):
+        rig.now_ns += 60 * NS_PER_MS
+        rig.session.sample(good(rig.now_ns))
+        decision = rig.session.tick(rig.now_ns, robot)
+    return decision
+
+
+def test_control_that_is_always_late_is_a_fault_of_its_own():
+    rig = engaged()
+    assert slowly(rig, 16).state is SessionState.ENGAGED
+    decision = slowly(rig, 1)
+    assert (decision.state, decision.action) == (SessionState.FAULT, Action.STOP)
+    assert "control has not kept up for a second: a turn takes 60 ms (limit 50 ms)" in decision.reason.sentence
+    assert "or take a faster one; reset it, then engage" in decision.reason.sentence
+    rig.session.reset()
+    refused = rig.session.request_engage(rig.now_ns, READY)
+    assert (refused.done, refused.reason.code) == (False, Code.SLOW)
+    rig.frames(30)
+    assert rig.session.request_engage(rig.now_ns, READY).done
+
+
+def test_control_that_is_always_late_engages_nobody_and_is_no_fault_before():
+    rig = SessionRig()
+    decision = slowly(rig, 100)
+    assert (decision.state, decision.reason.code) == (SessionState.DISENGAGED, Code.SLOW)
 
 
 def test_holding_resumes_with_new_origins_after_fresh_frames_at_rest():

@@ -246,6 +246,15 @@ def test_after_a_gap_beyond_the_latch_time_a_hand_may_be_anywhere(intake):
     assert code(accept(intake, hand(2, NOW + 501 * NS_PER_MS, wrist=(9.0, 0.0, 0.3)))) is Code.OK
 
 
+@pytest.mark.parametrize("gap_ms", [40, 99, 101, 130, 250, 499, 500])
+def test_after_any_shorter_gap_it_may_be_as_far_away_as_a_hand_gets_and_no_farther(intake, gap_ms):
+    for beyond_m, expected in ((0.02, Code.OK), (0.04, Code.JUMP)):  # the noise is 0.03 m
+        accept(intake, hand(1, NOW))
+        way_m = 3.0 * gap_ms / 1000 + beyond_m
+        assert code(accept(intake, hand(2, NOW + gap_ms * NS_PER_MS, wrist=(way_m, 0.0, 0.3)))) is expected
+        intake = copying(HandPoint.WRIST)
+
+
 def test_a_jump_is_refused_and_three_in_a_row_latch(intake):
     accept(intake, hand(1, NOW))
     results = [accept(intake, hand(1 + k, NOW + k * PERIOD, wrist=(1.5, 0.0, 0.3))) for k in (1, 2, 3)]

@@ -72,6 +72,15 @@ def test_the_leash_holds_the_target_near_the_measured_arm_wherever_it_was_captur
     assert np.linalg.norm(aimed.base_T_target[:3, 3] - measured) == pytest.approx(0.1)
 
 
+def test_the_leash_holds_the_target_near_the_measured_arm_however_far_it_was_sent_ahead():
+    target = captured(leash_m=0.1)
+    for k in range(1, 60):
+        q_sent = TURNED if k > 10 else START
+        aimed = target.aim(sample((0.0, 0.005 * k, 0.0)), AS_GRANTED, q_sent, START, NOW)
+    assert aimed.leashed.code is Code.SATURATED
+    assert np.linalg.norm(aimed.base_T_target[:3, 3] - TOOL[:3, 3]) == pytest.approx(0.1, abs=1e-4)
+
+
 def test_the_box_comes_before_the_leash():
     above = workspace().upper[2] - TOOL[2, 3]
     target = captured(leash_m=above + 0.01)

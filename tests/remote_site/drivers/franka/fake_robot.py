@@ -40,6 +40,7 @@ class FakeRobot:
     raises: dict[str, DriverError] = field(default_factory=dict)
     recovers: bool = True
     lost_ticks: int = 0
+    ahead_ms: int = 0  # by which the time of the next state lies ahead
     calls: list[str] = field(default_factory=list)
     sent: list[Array] = field(default_factory=list)
     _t_ns: int = BEGUN_NS
@@ -56,7 +57,8 @@ class FakeRobot:
             before = self.q
             self.q = self.q + (self.held - SAG - self.q) * 0.001 / LAG_S
             self.dq = (self.q - before) / 0.001
-        return ArmState(self._t_ns, self.q, self.dq, self.held, self.mode, self.errors, self.motion_errors)
+        t_ns, self.ahead_ms = self._t_ns + self.ahead_ms * NS_PER_MS, 0
+        return ArmState(t_ns, self.q, self.dq, self.held, self.mode, self.errors, self.motion_errors)
 
     def start(self) -> "FakeRobot":
         self.calls.append("start")

@@ -194,6 +194,16 @@ def test_milliseconds_that_the_process_misses_are_made_up_for() -> None:
     assert arm.robot.sent[-1][0] - at == pytest.approx(5 * (at - before), rel=0.1)
 
 
+def test_one_time_of_the_robots_that_lies_ahead_is_made_up_for_by_nothing() -> None:
+    arm = DrivenArm().activate().move(400)
+    arm.robot.ahead_ms = 10_000
+    arm.side.pass_ms(1)
+    arm.move(100)
+    assert not arm.code()
+    assert np.abs(np.diff(np.array(arm.robot.sent)[:, 0])).max() < 1.2e-3  # rad; in 10 s it would go a long way
+    assert arm.read().t_ns > arm.side.now_ns() - 2e6
+
+
 def test_an_arm_that_is_pushed_is_not_activated() -> None:
     arm = DrivenArm()
     arm.robot.held = arm.robot.held + np.array([0.2, *np.zeros(6)])

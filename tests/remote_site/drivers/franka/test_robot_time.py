@@ -38,3 +38,22 @@ def test_states_that_wait_are_not_taken_for_new_ones() -> None:
     arrival[200:230] = 230.2  # the process stood still for 30 ms, and then got all of them
     late = stamped(robot, arrival) - robot
     assert np.abs(late - 0.2).max() < 1e-6
+
+
+@pytest.mark.parametrize("ahead_ms", [60.0, 10_000.0])
+@pytest.mark.parametrize("at", [1, 300])
+def test_one_time_that_lies_ahead_bars_no_later_state(ahead_ms: float, at: int) -> None:
+    robot = np.arange(600.0)
+    arrival = robot + 0.2
+    robot[at] += ahead_ms
+    stamps = stamped(robot, arrival)
+    late = np.delete(arrival - stamps, at)
+    assert np.abs(late - 0.0).max() < 1e-6
+
+
+def test_a_robot_that_begins_its_time_anew_is_stamped_by_it_from_the_second_state_on() -> None:
+    robot = np.arange(600.0)
+    arrival = robot + 0.2
+    robot[300:] += 10_000.0
+    late = arrival - stamped(robot, arrival)
+    assert np.abs(np.delete(late, 300)).max() < 1e-6

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import RESTING_RAD_S
@@ -61,6 +61,18 @@ def test_a_time_before_the_last_one_is_refused():
     driven.clock.advance_ms(20)
     with pytest.raises(DriverError, match="5 ms before the last ones"):
         driven.driver.read()
+
+
+def test_a_time_that_lies_ahead_is_refused_alone_and_bars_no_later_one():
+    driven = DrivenArm()
+    driven.turns(200)
+    read, driven.arm.read = driven.arm.read, lambda: MeasuredPositions(START, driven.clock.now_ns() + 10 * NS_PER_S)
+    driven.clock.advance_ms(20)
+    with pytest.raises(DriverError, match="10000 ms in the future; stamp them by the clock of the DriverHost"):
+        driven.driver.read()
+    driven.arm.read = read
+    driven.clock.advance_ms(20)
+    assert driven.driver.read().t_ns == driven.clock.now_ns()
 
 
 def test_the_arm_may_go_on_writing_to_what_it_has_returned():
@@ -150,6 +162,15 @@ def test_a_pause_of_the_process_itself_is_no_silence_of_control():
     driven = DrivenArm(BrakingArm).active().at_speed()
     driven.clock.advance_ms(1000)
     assert driven.reading().fault is None
+
+
+@pytest.mark.parametrize("turn_ms", [101, 150, 300])
+def test_a_process_that_is_always_late_notices_that_control_has_ceased_after_four_turns(turn_ms):
+    driven = DrivenArm(BrakingArm).active().at_speed()
+    for _ in range(5):
+        driven.clock.advance_ms(turn_ms)
+        fault = driven.driver.read().fault
+    assert fault.code is FaultCode.COMMAND_TIMEOUT
 
 
 def test_an_arm_that_brakes_by_itself_is_stopped_at_every_call_and_at_once():

@@ -93,6 +93,16 @@ def test_a_pause_of_this_process_ages_no_reading() -> None:
     assert code_of(check.judge(at(), NOW_NS + 1004 * NS_PER_MS)) is FaultCode.SILENT
 
 
+@pytest.mark.parametrize("turn_ms", [51, 60, 90, 200])
+def test_turns_that_are_always_late_notice_a_frozen_stamp_after_four(turn_ms: int) -> None:
+    check, frozen_ns = check_of(), NOW_NS + 50 * turn_ms * NS_PER_MS
+    for turn in range(51):
+        now_ns = NOW_NS + turn * turn_ms * NS_PER_MS
+        assert code_of(check.judge(at(now_ns), now_ns)) is None
+    turns = [code_of(check.judge(at(frozen_ns), frozen_ns + k * turn_ms * NS_PER_MS)) for k in range(1, 5)]
+    assert turns[-1] is FaultCode.SILENT
+
+
 def test_a_stamp_of_the_future_is_not_remembered() -> None:
     check = check_of()
     assert code_of(check.judge(at(NOW_NS + 10**18), NOW_NS)) is FaultCode.IMPLAUSIBLE

@@ -10,7 +10,7 @@ from common.clock import NS_PER_MS
 from common.errors import DriverError
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
 from remote_site.drivers.supervisor.following_check import PATIENCE_NS
-from remote_site.drivers.supervisor.state import DRIVEN, SupervisorState
+from remote_site.drivers.supervisor.state import DRIVEN, INACTIVE, SupervisorState
 from remote_site.kinematics.joints import JointMotion
 from tests.remote_site.drivers.supervisor.supervised import START, Supervised
 from tests.remote_site.drivers.supervisor.transition_table import CASES, PRESSED, ROWS, Row, old_order, reach, to_nan
@@ -165,6 +165,21 @@ def silent(rig: Supervised) -> None:
     assert rig.robot.stops == 0
 
 
+def slow(rig: Supervised) -> None:
+    """Turns of 60 ms, each with an order: neither control nor the robot is silent."""
+    for _ in range(16):
+        rig.turn(ms=2)
+        assert rig.supervisor.state not in INACTIVE
+    for took_ms in [60.0] * 16:
+        assert rig.supervisor.state not in INACTIVE
+        rig.turn(old_order(rig), ms=took_ms)
+    assert rig.supervisor.state not in INACTIVE
+    rig.turn(old_order(rig), ms=60.0)
+    assert rig.fault().code is FaultCode.DEADLINE
+    assert "the driver's process has not kept up for a second: a turn takes 60 ms (limit 50 ms)" in rig.fault().sentence
+    assert rig.robot.stops == 1
+
+
 def stopped(rig: Supervised) -> None:
     for _ in range(300):
         if rig.supervisor.state is not SupervisorState.STOPPING:
@@ -251,8 +266,8 @@ EVENTS: dict[str, Callable[[Supervised], None]] = {
     event.__name__: event
     for event in (
         activate, rejected, arm_moves, unread, elsewhere, withdrawn, too_early, answered, apart, refused, waits,
-        command, over_limit, outdated, hand_over, missed, stop_order, late, late_rest, silent, stopped, robot_fault,
-        bad_reading, bad_at_rest, astray, call_fails, read_fails,
+        command, over_limit, outdated, hand_over, missed, stop_order, late, late_rest, silent, slow, stopped,
+        robot_fault, bad_reading, bad_at_rest, astray, call_fails, read_fails,
     )
 }  # fmt: skip
 
