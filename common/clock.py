@@ -101,16 +101,16 @@ class RoundTrip:
 class ClockEstimate:
     """The best estimate of the offset, and the time by the other clock of the newest round trip that agrees with it.
 
-    `their_ahead_ns` is by how much steady time was ahead of the other clock then.
+    `their_ahead_ns` is by how much steady time was ahead of the other clock then, None where that is not told.
     """
 
     offset: ClockOffset
     measured_ns: int
-    their_ahead_ns: int = 0
+    their_ahead_ns: int | None = None
 
     def of_stamp(self, ahead_ns: int | None) -> ClockOffset:
         """The offset for a stamp of the other clock that steady time was ahead of by `ahead_ns`, None if not told."""
-        if ahead_ns is None:
+        if ahead_ns is None or self.their_ahead_ns is None:
             return self.offset
         return ClockOffset(self.offset.offset_ns + self.their_ahead_ns - ahead_ns, self.offset.uncertainty_ns)
 

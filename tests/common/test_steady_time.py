@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from common.clock import NS_PER_MS, NS_PER_S, OffsetEstimator, RoundTrip
+from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset, OffsetEstimator, RoundTrip
 from common.messages.hand import ClockSync
 from common.steady_time import HostTime, OwnReadings, SteadyEstimator, host_time
 from remote_site.session.samples import as_of_now
@@ -217,3 +217,10 @@ def test_the_clocks_of_this_host_are_read_together():
     readings = [host_time() for _ in range(50)]
     assert max(r.ahead_ns for r in readings) - min(r.ahead_ns for r in readings) < NS_PER_MS
     assert all(before.now_ns <= after.now_ns for before, after in pairwise(readings))
+
+
+def test_a_stamp_of_which_one_side_tells_no_steady_time_has_the_offset_as_it_is():
+    offset = ClockOffset(70, 3)
+    assert ClockEstimate(offset, 1, their_ahead_ns=5).of_stamp(None) == offset
+    assert ClockEstimate(offset, 1).of_stamp(9) == offset
+    assert ClockEstimate(offset, 1, their_ahead_ns=5).of_stamp(9) == ClockOffset(66, 3)
