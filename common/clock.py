@@ -101,19 +101,18 @@ class RoundTrip:
 class ClockEstimate:
     """The best estimate of the offset, and the time by the other clock of the newest round trip that agrees with it.
 
-    `their_ahead_ns` is by how much steady time was ahead of the other clock then; `unseen_ns` is what that clock may
-    have been slewed by since, which its own host knows, and nobody else.
+    `their_ahead_ns` is by how much steady time was ahead of the other clock then, None where that is not told.
     """
 
     offset: ClockOffset
     measured_ns: int
-    their_ahead_ns: int = 0
-    unseen_ns: int = 0
+    their_ahead_ns: int | None = None
 
-    @property
-    def of_their_stamps(self) -> ClockOffset:
-        """The offset with which a stamp of the other clock is never taken for younger than it is."""
-        return ClockOffset(self.offset.offset_ns, self.offset.uncertainty_ns + self.unseen_ns)
+    def of_stamp(self, ahead_ns: int | None) -> ClockOffset:
+        """The offset for a stamp of the other clock that steady time was ahead of by `ahead_ns`, None if not told."""
+        if ahead_ns is None or self.their_ahead_ns is None:
+            return self.offset
+        return ClockOffset(self.offset.offset_ns + self.their_ahead_ns - ahead_ns, self.offset.uncertainty_ns)
 
 
 class OffsetEstimator:

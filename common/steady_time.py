@@ -2,16 +2,13 @@
 
 import time
 from collections import deque
-from collections.abc import Iterable
 from itertools import pairwise
 from typing import NamedTuple
 
-from common.clock import ClockEstimate, ClockOffset, OffsetEstimator, RoundTrip
+from common.clock import NS_PER_MS, ClockEstimate, ClockOffset, OffsetEstimator, RoundTrip
 
 READINGS, QUICK_NS = 5, 20_000
-MOST_SLEW = 12  # a clock is slewed by at most one nanosecond in so many: chrony does up to 8.3 %
-OWN_READINGS = 64  # a second or two, longer than a sample waits
-THEIR_READINGS = 6  # a second of answers
+APART_NS, OWN_READINGS = 10 * NS_PER_MS, 128  # longer than a sample or a picture waits
 
 
 class HostTime(NamedTuple):
@@ -43,15 +40,27 @@ def host_time() -> HostTime:
     return min(readings)[1]
 
 
-def least_ahead_ns(readings: Iterable[HostTime], since_ns: int) -> int:
-    """By how much steady time was ahead, at least, from a time of the monotonic clock to the newest of the readings.
+class OwnReadings:
+    """Readings of this host's clocks in the last seconds, in their order; the first is to come before any stamp."""
 
-    With the least of them a stamp of that time is never taken for younger than it is.
-    """
-    ordered = list(readings)
-    during = [after for after in ordered if after.now_ns >= since_ns]
-    during += [before for before, after in pairwise(ordered) if before.now_ns < since_ns <= after.now_ns]
-    return min(reading.ahead_ns for reading in during or ordered[-1:])
+    def __init__(self) -> None:
+        self._readings: deque[HostTime] = deque(maxlen=OWN_READINGS)
+
+    def note(self, reading: HostTime) -> None:
+        """Keep a reading, in the place of one that came just before."""
+        if len(self._readings) > 1 and reading.now_ns - self._readings[-2].now_ns < APART_NS:
+            self._readings.pop()
+        self._readings.append(reading)
+
+    def least_ahead_ns(self, since_ns: int) -> int:
+        """By how much steady time was ahead, at least, from a time of the monotonic clock to the newest reading.
+
+        With the least of them a stamp of that time is never taken for younger than it is.
+        """
+        ordered = list(self._readings)
+        during = [after for after in ordered if after.now_ns >= since_ns]
+        during += [before for before, after in pairwise(ordered) if before.now_ns < since_ns <= after.now_ns]
+        return min(reading.ahead_ns for reading in during or ordered[-1:])
 
 
 class SteadyEstimator:
@@ -59,9 +68,7 @@ class SteadyEstimator:
 
     def __init__(self) -> None:
         self._offsets = OffsetEstimator()
-        self._ours: deque[HostTime] = deque(maxlen=OWN_READINGS)
-        self._theirs: deque[HostTime] = deque(maxlen=THEIR_READINGS)
-        self._asked_ns = 0
+        self._ours, self._theirs = OwnReadings(), HostTime(0, 0)
 
     def add(self, asked: HostTime, received_ns: int, answered: HostTime, reply: HostTime) -> RoundTrip:
         """Add a question of our time `asked` that came at `received_ns`, and was answered at `answered`, by theirs."""
@@ -69,9 +76,8 @@ class SteadyEstimator:
         trip = RoundTrip(asked.steady_ns, received_steady_ns, answered.steady_ns, reply.steady_ns)
         if trip.possible:
             self._offsets.add(trip)
-            self._theirs.append(answered)
-            self._asked_ns = asked.steady_ns
-        self._ours.append(reply)
+            self._theirs = answered
+        self._ours.note(reply)
         return trip
 
     def estimate(self, now: HostTime, since_ns: int | None = None) -> ClockEstimate | None:
@@ -79,17 +85,11 @@ class SteadyEstimator:
 
         It is that of now or, for a stamp that our clock gave at `since_ns`, the one that makes it the oldest.
         """
-        self._ours.append(now)
+        self._ours.note(now)
         steady = self._offsets.estimate(now.steady_ns)
         if steady is None:
             return None
-        theirs = self._theirs[-1]
-        ours_ns = now.ahead_ns if since_ns is None else least_ahead_ns(self._ours, since_ns)
+        theirs = self._theirs
+        ours_ns = now.ahead_ns if since_ns is None else self._ours.least_ahead_ns(since_ns)
         offset_ns = steady.offset.offset_ns - theirs.ahead_ns + ours_ns
-        offset = ClockOffset(offset_ns, steady.offset.uncertainty_ns)
-        return ClockEstimate(offset, theirs.now_ns, theirs.ahead_ns, self._unseen_ns(now))
-
-    def _unseen_ns(self, now: HostTime) -> int:
-        """What the other clock may have been slewed by between a stamp of the last second and now."""
-        seen = [theirs.ahead_ns for theirs in self._theirs]
-        return max(seen) - min(seen) + (now.steady_ns - self._asked_ns) // MOST_SLEW + 1
+        return ClockEstimate(ClockOffset(offset_ns, steady.offset.uncertainty_ns), theirs.now_ns, theirs.ahead_ns)

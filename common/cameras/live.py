@@ -139,7 +139,7 @@ class LiveCamera:
         self.lost += 1
         if self.lost == 1:
             cure = "a few are skipped; where they are many, look at its cable and its port"
-            structlog.get_logger().warning("a picture was lost", camera=self.name, source=self._source, cure=cure)
+            structlog.get_logger().warning("a picture was lost", camera=self.name, cure=cure)
 
     def _watch_rate(self, now_ns: int, waited_ns: int) -> None:
         """Say when the camera begins to give fewer pictures than it states, and when it gives them again."""

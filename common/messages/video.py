@@ -5,7 +5,7 @@ from typing import Annotated
 
 import msgspec
 
-from common.messages.base import Count, Message, Name, Text
+from common.messages.base import Count, Difference, Message, Name, Text
 
 # Far beyond what can be, and small enough that sums of them are finite.
 AgeMs = Annotated[float, msgspec.Meta(ge=0, le=1e12)]
@@ -33,7 +33,8 @@ class VideoFrame(Message, frozen=True):
     """One camera picture, or the report that there is none: `data` is empty where `status` is frozen or missing.
 
     Pictures of a dark or slow camera are sent too; `reason` states its problem. A `key` picture needs no other to be
-    decoded, as every JPEG; any other needs all since the last key picture.
+    decoded, as every JPEG; any other needs all since the last key picture. `ahead_ns` is by how much steady time was
+    ahead of the sender's clock at the exposure (`common/steady_time.py`), None from a sender that does not tell.
     """
 
     camera: Name
@@ -47,6 +48,7 @@ class VideoFrame(Message, frozen=True):
     codec: Codec
     key: bool
     data: bytes
+    ahead_ns: Difference | None = None
 
 
 class ViewCame(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -139,7 +139,7 @@ class Hub:
         """A picture of the cell has come."""
         now_ns = self._clock.now_ns()
         known = self._watch.estimate(now_ns)
-        view, clock = CAMERA_VIEW + frame.camera, known.of_their_stamps if known is not None else None
+        view, clock = CAMERA_VIEW + frame.camera, known.of_stamp(frame.ahead_ns) if known is not None else None
         usable = self._show(view, frame, clock)
         self._handler.remember(view, frame, now_ns, clock, usable=usable)
         wanted = [after for page in self._pages if (after := page.slots.wants_after(view)) is not None]

@@ -5,6 +5,7 @@ from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING
 
+import msgspec
 import structlog
 
 from common.clock import MonotonicClock
@@ -24,6 +25,7 @@ from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.log import LogFormat, log_end, log_summary, start_log
 from common.process.service import StopFlag, notify
 from common.process.viewers import run_viewers
+from common.steady_time import OwnReadings, host_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.kinematics.limits import load_arm
@@ -183,8 +185,13 @@ def _video(
             camera.name: link.publisher(CAMERA, config.cell, camera.name) for camera in config.video.cameras
         }
 
+        readings = OwnReadings()
+        readings.note(host_time())
+
         def publish(frame: VideoFrame) -> None:
-            publishers[frame.camera].put(frame)
+            readings.note(host_time())
+            ahead_ns = readings.least_ahead_ns(frame.capture_ns)
+            publishers[frame.camera].put(msgspec.structs.replace(frame, ahead_ns=ahead_ns))
             tally.note(frame, time.monotonic_ns())
 
         shown = [link.latest(SHOWN, config.cell, operator=name).take_named for name in config.links.heard]

@@ -83,4 +83,4 @@ def _sighting(record: Record) -> MarkerSighting:
     marker, t_ns, seen, base_T_marker, code, sentence, views = fields
     if not seen:
         return MarkerSighting(marker, t_ns, None, Reason(CODES[code.decode()], sentence.decode(errors="replace")))
-    return MarkerSighting(marker, t_ns, np.array(base_T_marker), None, tuple(views.decode().split(",")))
+    return MarkerSighting(marker, t_ns, np.array(base_T_marker), None, tuple(views.decode(errors="ignore").split(",")))

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import pytest
 
-from common.clock import NS_PER_MS, NS_PER_S, OffsetEstimator, RoundTrip
+from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset, OffsetEstimator, RoundTrip
 from common.messages.hand import ClockSync
-from common.steady_time import HostTime, SteadyEstimator, host_time
+from common.steady_time import HostTime, OwnReadings, SteadyEstimator, host_time
 from remote_site.session.samples import as_of_now
 from tests.remote_site.remote_loop import hand
 
@@ -105,6 +105,7 @@ def least_margins_ms(sites: Sites, seed: int, until_s: float = 14.0) -> dict[str
     estimator, margins = SteadyEstimator(), {"sample": [], "picture": []}
     acts = [(all_ns[-1], kind, all_ns) for kind, all_ns in at.events if kind != "sample"]
     acts += [(all_ns[1], kind, all_ns) for kind, all_ns in at.events if kind == "sample"]
+    aheads = aheads_of_pictures(at)
     for _, kind, (first_ns, middle_ns, last_ns) in sorted(acts):
         true_ns = last_ns - first_ns
         if kind == "trip":
@@ -119,8 +120,20 @@ def least_margins_ms(sites: Sites, seed: int, until_s: float = 14.0) -> dict[str
             known = estimator.estimate(at.local[last_ns])
             if known is not None:
                 stamp_ns = at.remote[first_ns].now_ns
-                margins[kind].append(known.of_their_stamps.age_ns(stamp_ns, at.local[last_ns].now_ns) - true_ns)
+                offset = known.of_stamp(aheads[first_ns, middle_ns])
+                margins[kind].append(offset.age_ns(stamp_ns, at.local[last_ns].now_ns) - true_ns)
     return {kind: min(all_ns) / NS_PER_MS for kind, all_ns in margins.items()}
+
+
+def aheads_of_pictures(at: Instants) -> dict[tuple[int, ...], int]:
+    """What the remote site tells with each picture, by its capture and its sending."""
+    readings, told = OwnReadings(), {}
+    readings.note(at.remote[min(at.remote)])
+    sendings = [(all_ns[1], all_ns[0]) for kind, all_ns in at.events if kind == "picture"]
+    for sent_ns, captured_ns in sorted(sendings):
+        readings.note(at.remote[sent_ns])
+        told[captured_ns, sent_ns] = readings.least_ahead_ns(at.remote[captured_ns].now_ns)
+    return told
 
 
 def stated_age_ns(known, captured_ns: int, arrived: HostTime) -> int:
@@ -156,9 +169,10 @@ def test_what_was_captured_before_a_suspend_is_told_to_be_as_old_as_it_is(who):
     local = SimulatedHost(DAY_NS, steady, suspend_s if who == "local" else (0.0, 0.0))
     remote = SimulatedHost(3 * DAY_NS, steady, suspend_s if who == "remote" else (0.0, 0.0))
     before_ns, after_ns = 3_950 * NS_PER_MS, 604_007 * NS_PER_MS
-    estimator = SteadyEstimator()
+    estimator, readings = SteadyEstimator(), OwnReadings()
     for asked_ns in range(0, before_ns, MEASURED_NS):
         answered = remote.at(asked_ns + NS_PER_MS)
+        readings.note(answered)
         asked = local.at(asked_ns)
         estimator.add(asked, answered.now_ns, answered, local.at(asked_ns + 2 * NS_PER_MS))
     captured, exposed = local.at(before_ns), remote.at(before_ns)
@@ -175,7 +189,9 @@ def test_what_was_captured_before_a_suspend_is_told_to_be_as_old_as_it_is(who):
     here, there = local.at(back_ns), remote.at(back_ns)
     picture = estimator.estimate(here)
     assert picture is not None
-    assert picture.of_their_stamps.age_ns(exposed.now_ns, here.now_ns) >= true_ns
+    readings.note(there)
+    ahead_ns = readings.least_ahead_ns(exposed.now_ns)
+    assert picture.of_stamp(ahead_ns).age_ns(exposed.now_ns, here.now_ns) >= true_ns
     late = estimator.estimate(here, captured.now_ns)
     assert late is not None
     assert stated_age_ns(late, captured.now_ns, there) >= true_ns
@@ -201,3 +217,10 @@ def test_the_clocks_of_this_host_are_read_together():
     readings = [host_time() for _ in range(50)]
     assert max(r.ahead_ns for r in readings) - min(r.ahead_ns for r in readings) < NS_PER_MS
     assert all(before.now_ns <= after.now_ns for before, after in pairwise(readings))
+
+
+def test_a_stamp_of_which_one_side_tells_no_steady_time_has_the_offset_as_it_is():
+    offset = ClockOffset(70, 3)
+    assert ClockEstimate(offset, 1, their_ahead_ns=5).of_stamp(None) == offset
+    assert ClockEstimate(offset, 1).of_stamp(9) == offset
+    assert ClockEstimate(offset, 1, their_ahead_ns=5).of_stamp(9) == ClockOffset(66, 3)

@@ -22,11 +22,15 @@ class StaleDataError(RuntimeError):
 
 
 class MeasuredOffset(NamedTuple):
-    """The cell's clock minus ours at `measured_ns` of ours, ns, and how wrong it may be."""
+    """The cell's steady time minus ours at `measured_ns` of ours, ns, and how wrong it may be.
+
+    The cell's stamps are by its monotonic clock, of which steady time was `cell_ahead_ns` ahead.
+    """
 
     offset_ns: int
     uncertainty_ns: int
     measured_ns: int
+    cell_ahead_ns: int
 
     def bound_ns(self, now_ns: int) -> int:
         """How wrong it may be by now."""
@@ -78,7 +82,7 @@ class StateFeed:
 
     def live(self, max_age_ms: float) -> CellState:
         """The newest state; StaleDataError unless it is surely younger than this by the cell's clock, and no fault."""
-        now_ns = time.monotonic_ns()
+        now_ns = _steady_ns()
         self._ask(now_ns)
         with self._lock:
             payload, offset = self._payload, self._offset
@@ -90,7 +94,7 @@ class StateFeed:
             raise StaleDataError(str(error)) from error
         if offset is None or now_ns - offset.measured_ns > OFFSET_GOOD_NS:
             raise StaleDataError("the cell does not answer for its clock: the age of its state is unknown")
-        age_ns = now_ns + offset.offset_ns - state.t_ns + offset.bound_ns(now_ns)
+        age_ns = now_ns + offset.offset_ns - (state.t_ns + offset.cell_ahead_ns) + offset.bound_ns(now_ns)
         if age_ns > max_age_ms * NS_PER_MS:
             raise StaleDataError(
                 f"the newest state is up to {age_ns / NS_PER_MS:.0f} ms old, at most {max_age_ms:g} ms are allowed: "
@@ -107,7 +111,7 @@ class StateFeed:
         self._asked_ns = now_ns
 
         def take(reply: zenoh.Reply) -> None:
-            come_ns = time.monotonic_ns()
+            come_ns = _steady_ns()
             if reply.ok is not None:
                 self._time(now_ns, reply.ok.payload.to_bytes(), come_ns)
 
@@ -117,11 +121,12 @@ class StateFeed:
     def _time(self, asked_ns: int, answer: bytes, come_ns: int) -> None:
         """Keep what a round trip shows of the offset, unless an earlier one is still more certain."""
         try:
-            received_ns, answered_ns = clock_times(answer)
+            received_ns, answered_ns, ahead_ns = clock_times(answer)
         except (WireError, ValueError):
             return  # the state is of the same release, and its refusal says so
-        offset_ns = (received_ns + answered_ns - asked_ns - come_ns) // 2
-        found = MeasuredOffset(offset_ns, max(come_ns - asked_ns - (answered_ns - received_ns), 0) // 2 + 1, come_ns)
+        offset_ns = (received_ns + answered_ns - asked_ns - come_ns) // 2 + ahead_ns
+        bound_ns = max(come_ns - asked_ns - (answered_ns - received_ns), 0) // 2 + 1
+        found = MeasuredOffset(offset_ns, bound_ns, come_ns, ahead_ns)
         with self._lock:
             kept = self._offset
             if kept is None or kept.is_old(come_ns) or found.uncertainty_ns <= kept.bound_ns(come_ns):
@@ -130,3 +135,9 @@ class StateFeed:
     def _take(self, sample: zenoh.Sample) -> None:
         with self._lock:
             self._payload = sample.payload.to_bytes()
+
+
+def _steady_ns() -> int:
+    """Time that is neither slewed, as the monotonic clock is, nor stands still while this host is suspended."""
+    boot_ns = time.clock_gettime_ns(time.CLOCK_BOOTTIME)
+    return time.clock_gettime_ns(time.CLOCK_MONOTONIC_RAW) + boot_ns - time.monotonic_ns()

@@ -59,10 +59,13 @@ def cell_state(payload: bytes) -> CellState:
         raise WireError(f"a state cannot be read: {error}") from error
 
 
-def clock_times(payload: bytes) -> tuple[int, int]:
-    """When the remote site received a question for its clock, and when it answered: ns by its clock."""
-    received_ns, answered_ns, _ahead_ns = _fields(payload)
-    return int(received_ns), int(answered_ns)
+def clock_times(payload: bytes) -> tuple[int, int, int]:
+    """When the remote site received a question for its clock, and when it answered: ns by its clock.
+
+    And by how much its steady time was ahead of that clock then.
+    """
+    received_ns, answered_ns, ahead_ns = _fields(payload)
+    return int(received_ns), int(answered_ns), int(ahead_ns)
 
 
 def joint_names(payload: bytes) -> list[str]:

@@ -1,10 +1,13 @@
 // The console's clock as the page knows it: by the echo with the shortest round trip of the last seconds.
 const SLOTS = 4;
 const SLOT_MS = 1000;
+const SUSPENDED_MS = 1000; // of difference between the wall clock and the page's own: no less is a suspend
 
 export class ServerClock {
   #best = [];
   #replayed = null;
+  #apartMs = Date.now() - performance.now();
+  #suspendedMs = 0;
 
   /** Follow a recording's time, which goes on at a speed, instead of the console's. */
   follow(nowMs, speed) {
@@ -14,6 +17,14 @@ export class ServerClock {
   /** Whether the time is a recording's. */
   get isReplayed() {
     return this.#replayed !== null;
+  }
+
+  /** How long this host was suspended so far, in ms: the page's own clock, and the console's, stand still then. Read it often. */
+  get suspendedMs() {
+    const apartMs = Date.now() - performance.now();
+    if (apartMs - this.#apartMs > SUSPENDED_MS) this.#suspendedMs += apartMs - this.#apartMs;
+    this.#apartMs = apartMs;
+    return this.#suspendedMs;
   }
 
   /** Add an echo: sent and received by the page's clock, answered by the console's, all in ms. */

@@ -128,15 +128,22 @@ export class View {
     this.#canvas.paint(picture);
     const nowMs = this.#clock.now();
     const ageMs = nowMs === null || header.capture_ms === null ? null : nowMs - header.capture_ms;
-    this.#newest = { seq: header.seq, captureMs: header.capture_ms, unsureMs: header.unsure_ms ?? 0, ageMs };
+    this.#newest = { seq: header.seq, captureMs: header.capture_ms, unsureMs: header.unsure_ms ?? 0, ageMs, suspendedMs: this.#clock.suspendedMs };
     this.#times.push(performance.now());
+  }
+
+  /** The console's time, and what this host was suspended for since the newest picture; null where it is not known. */
+  #now() {
+    const nowMs = this.#clock.now();
+    const sinceMs = this.#clock.suspendedMs - (this.#newest?.suspendedMs ?? 0);
+    return nowMs === null ? null : nowMs + sinceMs;
   }
 
   /** Mark how current the picture is now. */
   refresh() {
     const nowMs = performance.now();
     const wasLate = nowMs - this.#lateMs < CALM_MS;
-    const { mark, title: judged, words: why, ageMs, isOld, isLate } = judge(this.#newest, this.#header, this.#clock.now(), wasLate);
+    const { mark, title: judged, words: why, ageMs, isOld, isLate } = judge(this.#newest, this.#header, this.#now(), wasLate);
     if (isLate) this.#lateMs = nowMs;
     const title = mark === "live" && this.#clock.isReplayed ? "recorded" : judged;
     if (nowMs - this.#agedMs >= READ_MS || mark !== this.element.dataset.mark) {

@@ -208,6 +208,7 @@ VIDEO = VideoFrame(
     codec=Codec.JPEG,
     key=True,
     data=b"\xff\xd8\xff\xd9",
+    ahead_ns=-270_927_093,
 )
 RESET = EngagementRequest(id=5, deadline_ns=10**12, action=EngagementAction.RESET)
 LEASE = LeaseRequest(id=6, deadline_ns=10**12, action=LeaseAction.RENEW, session=7, lease=8)

@@ -93,7 +93,7 @@ def test_messages_are_read_as_farhand_writes_them():
     assert state.tool == pytest.approx((*aim.position, *aim.orientation), abs=1e-6)
     assert state.is_open is (golden.STATE.gripper_next is not GripperCommand.OPEN)
     assert wire.joint_names(encode(golden.DESCRIPTION)) == [joint.name for joint in golden.DESCRIPTION.joints]
-    assert wire.clock_times(encode(ClockAnswer(received_ns=3, answered_ns=4, ahead_ns=-5))) == (3, 4)
+    assert wire.clock_times(encode(ClockAnswer(received_ns=3, answered_ns=4, ahead_ns=-5))) == (3, 4, -5)
 
 
 @pytest.mark.parametrize("payload", [b"", b"\xc1", b"\x80", b"\x91\x0b", b"\x91\x0c", b"\x00" * 20_000])

@@ -48,3 +48,10 @@ def test_a_refusal_comes_with_its_code_and_sentence():
     why = refused(9 * MS, reason(Code.MARKER_UNSEEN, marker=MARKER))
     shared.show_markers([why])
     assert shared.take_markers() == (why,)
+
+
+def test_the_names_of_more_views_than_there_is_room_for_are_cut():
+    shared = memory()
+    shared.show_markers([seen(7 * MS, np.eye(4))._replace(views=tuple("a" + "ü" * 62 + str(k) for k in range(9)))])
+    (taken,) = shared.take_markers()
+    assert taken.views[0] == "a" + "ü" * 62 + "0"
