@@ -19,7 +19,7 @@ from common.messages.robot import GripperCommand, RobotState, SessionState
 from common.recording.folder import parts_from
 from common.recording.reader import RecordingReader
 from common.recording.recorded_episodes import RecordedEpisode, read_episodes
-from local_site.programmed.approach import approach
+from local_site.programmed.approach import approach, why_too_far
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 from remote_site.teleop.gripper_toggles import OPPOSITE
 
@@ -90,6 +90,8 @@ def path_of(states: Sequence[RobotState]) -> ToolTrajectory:
         kept = list(stretch)
         begin_s = 0.0
         if poses:
+            if too_far := why_too_far(poses[-1], _target(kept[0])):
+                raise RecordingError(f"the recorded path cannot be run: {too_far}")
             crossing = approach(poses[-1], _target(kept[0]))
             poses += [crossing.base_T_tool(at_s) for at_s in crossing.t_s[1:-1]]
             times += [times[-1] + at_s for at_s in crossing.t_s[1:-1].tolist()]

@@ -191,3 +191,14 @@ def test_a_silent_remote_site_stands_the_run():
     hand = cell.run.hand(cell.site.now_ns, None)
     assert "silent" in hand.reason
     assert cell.progress.target == pytest.approx(before)
+
+
+def test_a_path_that_begins_a_thousand_kilometres_away_is_not_approached():
+    far = some_path()
+    cell = cell_on(ToolTrajectory(far.t_s, far.positions + 1e6, far.orientations))
+    stood = cell.base_T_tool
+    cell.pass_s(1.0)
+    cell.key_held = True
+    cell.until("m away")
+    cell.pass_s(0.5)
+    assert cell.base_T_tool == pytest.approx(stood, abs=1e-6)
