@@ -104,9 +104,8 @@ class _PathWriter:
             self._marks += [begin_s] * len(stretch.marks)
             return
         if begin_s + length_s / stretch.rate > LONGEST_S:
-            raise ConfigError(
-                f"the task takes longer than {LONGEST_S:.0f} s: is a way point far away (xyz_mm, frame), or a speed too low?"
-            )
+            cure = "is a way point far away (xyz_mm, frame), or a speed too low?"
+            raise ConfigError(f"the task takes longer than {LONGEST_S:.0f} s: {cure}")
         profile = _profile(length_s, stretch.rate, motion)
         t_s = np.linspace(0.0, profile.duration, math.ceil(profile.duration / STEP_S) + 1)[1:]
         full_s = np.array([profile.at_time(at_s)[0][0] for at_s in t_s])
