@@ -22,6 +22,7 @@ Message_contra = TypeVar("Message_contra", bound=Message, contravariant=True)
 
 NICE = 10
 BEAT_S = 0.2
+SCRAPE_S = 10.0  # a request that takes longer is no scrape: its thread ends
 
 
 class MetricsSource(Protocol[Message_contra]):
@@ -73,6 +74,7 @@ def run_metrics(
             server, _ = start_http_server(port, addr="127.0.0.1", registry=registry)
         except OSError as error:
             raise TransportError(f"metrics.port {port} cannot be served: {error}") from error
+        server.RequestHandlerClass.timeout = SCRAPE_S  # type: ignore[attr-defined]  # its stub says callable
         beat()
         while not should_stop.wait(BEAT_S):
             beat()

@@ -18,7 +18,7 @@ from common.messages.robot import GripperCommand, RobotState, SessionState
 from common.recording.folder import parts_from
 from common.recording.reader import RecordingReader
 from common.recording.recorded_episodes import RecordedEpisode, read_episodes
-from local_site.programmed.approach import approach
+from local_site.programmed.approach import approach, why_too_far
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 from remote_site.teleop.gripper_toggles import OPPOSITE
 
@@ -129,6 +129,8 @@ class _PathUnderWay:
     def _begin(self, state: RobotState) -> None:
         """Cross to where the arm follows from now on."""
         if self.poses:
+            if too_far := why_too_far(self.poses[-1], _target(state)):
+                raise RecordingError(f"the recorded path cannot be run: {too_far}")
             crossing = approach(self.poses[-1], _target(state))
             self.poses += [crossing.base_T_tool(at_s) for at_s in crossing.t_s[1:-1]]
             self.t_s += [self.t_s[-1] + at_s for at_s in crossing.t_s[1:-1].tolist()]

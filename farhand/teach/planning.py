@@ -15,6 +15,7 @@ from farhand.teach.task_file import GRIPPER, TaskFile, TaskMotion, WayPoint
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 
 STEP_S = 0.01
+LONGEST_S = 3600.0  # 360 000 poses
 SAMPLES_PER_CORNER = 33  # odd, so that one is the way point
 BLEND_DEG = 2.0  # by how much the orientation leaves that of a way point that is passed
 SHARPEST_DEG = 110.0  # a sharper corner is a stop
@@ -42,7 +43,7 @@ def planned_path(task: TaskFile, base_T_frame: Array | None = None) -> ToolTraje
 
     Between stops (ends, gripper, dwell, sharp corners) it obeys the speeds; speed, acceleration and jerk along it are
     limited, and a corner is left by at most the blend. ConfigError where all way points are at one place, to 1 mm and
-    1 deg.
+    1 deg, or the task takes longer than LONGEST_S.
     """
     poses = way_points_in_base(task, base_T_frame)
     _check_way(poses)
@@ -102,6 +103,9 @@ class _PathWriter:
         if length_s < SAME_S:
             self._marks += [begin_s] * len(stretch.marks)
             return
+        if begin_s + length_s / stretch.rate > LONGEST_S:
+            cure = "is a way point far away (xyz_mm, frame), or a speed too low?"
+            raise ConfigError(f"the task takes longer than {LONGEST_S:.0f} s: {cure}")
         profile = _profile(length_s, stretch.rate, motion)
         t_s = np.linspace(0.0, profile.duration, math.ceil(profile.duration / STEP_S) + 1)[1:]
         full_s = np.array([profile.at_time(at_s)[0][0] for at_s in t_s])

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import socket
+from functools import partial
 from itertools import count
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketDiscon
 
 from common.errors import ConfigError, MessageError, TransportError
 from local_site.console.config import ServeConfig
+from local_site.console.doorway import Doorway, DoorwayProtocol, Handshake
 from local_site.console.gate import Gate
 from local_site.console.hub import Hub
 from local_site.console.model.seat import Visitor
@@ -25,7 +27,8 @@ from local_site.console.page import Page
 STATIC = Path(__file__).parent / "static"
 MAX_MESSAGE_BYTES = 16384
 END_S = 0  # pages get a close message; the server waits for none
-POLICY_VIOLATION = 1008
+POLICY_VIOLATION, TRY_AGAIN_LATER = 1008, 1013
+MOST_PAGES = 64
 
 
 def bind(serve: ServeConfig, option: str = "--set serve.port=PORT") -> socket.socket:
@@ -66,10 +69,24 @@ def make_server(hub: Hub, serve: ServeConfig, port: int) -> uvicorn.Server:
         config.load()
     except OSError as error:  # ssl's errors are among these
         raise ConfigError(f"serve.certificate, serve.key: cannot be used: {error}") from error
-    server = uvicorn.Server(config)
+    server = PageServer(config)
     library = logging.getLogger("uvicorn.error")
     library.handlers, library.propagate = [LibraryLog(server)], False
     return server
+
+
+class PageServer(uvicorn.Server):
+    """The library's server, with a doorway before it."""
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Listen at sockets that are open."""
+        loop, doorway, context = asyncio.get_running_loop(), Doorway(), self.config.ssl
+        make = partial(
+            DoorwayProtocol, doorway, config=self.config, server_state=self.server_state, app_state=self.lifespan.state
+        )
+        first = make if context is None else partial(Handshake, doorway, context, make)
+        self.servers = [await loop.create_server(first, sock=each) for each in sockets or ()]
+        self.started = True
 
 
 class LibraryLog(logging.Handler):
@@ -90,15 +107,23 @@ def _family(host: str) -> socket.AddressFamily:
 
 
 def _application(hub: Hub) -> Starlette:
-    numbers = count(1)
+    numbers, talking = count(1), set[Page]()
 
     async def index(_request: Request) -> FileResponse:
         return FileResponse(STATIC / "index.html")
 
     async def talk(connection: WebSocket) -> None:
         await connection.accept()
+        if len(talking) >= MOST_PAGES:
+            await connection.close(TRY_AGAIN_LATER, f"{MOST_PAGES} pages are open: close one")
+            return
         address = connection.client.host if connection.client is not None else "unknown"
-        await _serve_page(hub, Page(Visitor(next(numbers), address), connection), connection)
+        page = Page(Visitor(next(numbers), address), connection)
+        talking.add(page)
+        try:
+            await _serve_page(hub, page, connection)
+        finally:
+            talking.discard(page)
 
     routes = [
         Route("/", index),

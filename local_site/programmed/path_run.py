@@ -7,7 +7,7 @@ from common.geometry import Array, angle_between
 from common.messages.hand import OperatorSettings, TrackingStatus
 from common.messages.requests import MappingDescription
 from common.messages.robot import Engagement, GripperCommand, Pose, RobotState, SessionState
-from local_site.programmed.approach import approach
+from local_site.programmed.approach import approach, why_too_far
 from local_site.programmed.led_hand import operator_T_hand, shown_hand, why_not_led
 from local_site.programmed.path_progress import PathProgress, RunOrder
 from local_site.tracking.tracker import ArmEstimate
@@ -77,12 +77,14 @@ class PathRun:
         if reference is None or target is None or not led or reference.rotation.operator_R_hand is None:
             self._progress.stand()
             return f"the run stands: {state.reason}"
-        if engagement.number != self._engagement:
+        is_new = engagement.number != self._engagement
+        if is_new:
             self._progress.begin()
-            self._set_out(engagement, target)
-        elif engagement.hand_capture_ns != self._origin_ns:
-            if not self._goes_on:
+        if is_new or engagement.hand_capture_ns != self._origin_ns:
+            if not (is_new or self._goes_on):
                 return ENDED
+            if too_far := why_too_far(target.transform(), self._progress.target):
+                return f"the run stands: {too_far}"
             self._set_out(engagement, target)
         base_T_target = self._advance(now_ns, elapsed_s, state)
         settings = state.settings or OperatorSettings()

@@ -16,6 +16,7 @@ from farhand.calibration.latency.pattern import HOLD_MS, PageReport, sequence
 
 HOST = "127.0.0.1"
 PAGE = Path(__file__).with_name("page.html")
+REQUEST_S = 10.0  # a request that takes longer is no page's: its thread ends
 MAX_BYTES = 4_000_000  # half a minute at 240 Hz takes a quarter of it
 
 
@@ -74,6 +75,7 @@ def _handler(clock: Clock, root: str, reports: queue.Queue[PageReport]) -> type[
         """One request: the page, the clock, or the report."""
 
         protocol_version = "HTTP/1.1"
+        timeout = REQUEST_S
 
         def do_GET(self) -> None:
             if self.path == f"{root}clock":

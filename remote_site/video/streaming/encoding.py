@@ -1,9 +1,10 @@
 """The encoder of one camera: its pictures as the setting in force wants them, and key frames for viewers."""
 
+from collections import deque
 from typing import NamedTuple
 
 from common.cameras.camera import Image
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import ConfigError
 from common.messages.video import Codec
 from remote_site.video.streaming.codec_choice import CodecPreference
@@ -11,8 +12,9 @@ from remote_site.video.streaming.h264 import H264_CURE, H264Encoder, has_h264
 from remote_site.video.streaming.pictures import encode_jpeg, shrunk
 from remote_site.video.streaming.setting import StreamSetting, most_h264_bytes
 
-KEY_FRAMES_APART_NS = 100 * NS_PER_MS  # however many viewers ask
-NEVER = -1
+KEY_FRAMES_A_SECOND = 2  # for whoever asks: each takes the bytes of several pictures, and the others get worse
+KEY_FRAMES_APART_NS = 100 * NS_PER_MS  # one that was lost is sent again soon
+NEVER, LONG_AGO_NS = -1, -NS_PER_S
 
 
 class Encoded(NamedTuple):
@@ -38,14 +40,15 @@ def can_encode(codec: CodecPreference) -> bool:
 class PictureEncoder:
     """JPEG, or H.264 by an encoder that is opened anew for another size or rate.
 
-    All requests for a key frame after pictures sent before the last one are answered by it.
+    All requests for a key frame after pictures sent before the last one are answered by it. In any second at most
+    KEY_FRAMES_A_SECOND are made because somebody asks.
     """
 
     def __init__(self) -> None:
         self._h264: H264Encoder | None = None
         self._opened_for: tuple[int, int, int] | None = None
-        self._key_seq = self._key_ns = NEVER
-        self._wanted_after = NEVER
+        self._keys_ns: deque[int] = deque([LONG_AGO_NS] * KEY_FRAMES_A_SECOND, KEY_FRAMES_A_SECOND)
+        self._key_seq = self._wanted_after = NEVER
 
     def want_key_frame(self, after_seq: int) -> None:
         """A viewer cannot decode the pictures after this one without a key frame."""
@@ -59,10 +62,12 @@ class PictureEncoder:
             return Encoded(Codec.JPEG, True, image.shape[1], image.shape[0], encode_jpeg(image, setting.quality))
         height, width = image.shape[0] // 2 * 2, image.shape[1] // 2 * 2  # colours have half the resolution
         encoder = self._opened(width, height, setting.picture_bytes or most_h264_bytes(width * height))
-        due = t_ns - self._key_ns >= KEY_FRAMES_APART_NS
+        first_ns, last_ns = self._keys_ns[0], self._keys_ns[-1]
+        due = t_ns - first_ns >= NS_PER_S and t_ns - last_ns >= KEY_FRAMES_APART_NS
         data, key = encoder.encode(image[:height, :width], key=self._wanted_after >= self._key_seq and due)
         if key:
-            self._key_seq, self._key_ns, self._wanted_after = seq, t_ns, NEVER
+            self._key_seq, self._wanted_after = seq, NEVER
+            self._keys_ns.append(t_ns)
         return Encoded(Codec.H264, key, width, height, data)
 
     def _opened(self, width: int, height: int, picture_bytes: int) -> H264Encoder:

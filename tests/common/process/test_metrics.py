@@ -1,5 +1,6 @@
 """The figures of a site: what its messages make of them, and what Prometheus reads on the port."""
 
+import socket
 import threading
 import time
 import urllib.request
@@ -146,3 +147,21 @@ def test_a_port_that_is_taken_is_told() -> None:
     (port,) = free_ports(1)
     with open_link(listen=(f"tcp/127.0.0.1:{port}",)) as _, pytest.raises(TransportError, match=r"metrics\.port"):
         run_metrics(port, f"tcp/127.0.0.1:{port}", STATE, "c", LocalFigures(), StopFlag(), lambda: None)
+
+
+def test_a_request_that_does_not_end_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("common.process.metrics.SCRAPE_S", 0.1)
+    (port,), stop = free_ports(1), StopFlag()
+    with open_link(listen=(endpoint := f"tcp/127.0.0.1:{free_ports(1)[0]}",)):
+        served = threading.Event()
+        given = (port, endpoint, STATE, "cell", RemoteFigures(VideoTally(["side"])), stop, served.set)
+        thread = threading.Thread(target=run_metrics, args=given)
+        thread.start()
+        try:
+            assert served.wait(9.0)
+            with socket.create_connection(("127.0.0.1", port), 9.0) as half_open:
+                half_open.sendall(b"GET /metrics HTTP/1.1\r\nHost:")
+                assert half_open.recv(1) == b""
+        finally:
+            stop.set()
+            thread.join()

@@ -267,3 +267,14 @@ def test_an_engagement_that_another_made_leads_no_run_and_ends_the_one_under_way
     assert cell.progress.target == pytest.approx(reached)
     cell.runs.hand(cell.site.now_ns + 3 * NS_PER_S, cell.state())
     assert cell.progress.target == pytest.approx(some_path().base_T_tool(0.0)), "a run of its own begins anew"
+
+
+def test_a_path_that_begins_a_thousand_kilometres_away_is_not_approached():
+    far = some_path()
+    cell = cell_on(ToolTrajectory(far.t_s, far.positions + 1e6, far.orientations))
+    stood = cell.base_T_tool
+    cell.pass_s(1.0)
+    cell.key_held = True
+    cell.until("m away")
+    cell.pass_s(0.5)
+    assert cell.base_T_tool == pytest.approx(stood, abs=1e-6)

@@ -187,3 +187,8 @@ def test_another_arm_is_refused(tmp_path):
     check_cell(cell, cell)
     with pytest.raises(RefusedError, match=r"this cell has a UR5"):
         check_cell(cell, replace(cell, robot="a UR5"))
+
+
+def test_a_recording_whose_targets_leap_a_thousand_kilometres_is_refused():
+    with pytest.raises(RecordingError, match="1000000 m away"):
+        path_of([*stretch(0, 11, 0.0), *stretch(60_000 * STEP_NS, 11, 1e6, number=2)])

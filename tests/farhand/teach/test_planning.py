@@ -119,3 +119,9 @@ def test_a_turn_in_place_is_a_way():
 def test_way_points_at_the_same_place_take_no_time():
     path = planned_path(task_of(at(0, 0, 0), at(0, 0, 0), at(100, 0, 0)))
     assert path.marks[0] == path.marks[1] == 0.0
+
+
+@pytest.mark.parametrize("points", [(at(0, 0, 0), at(1e9, 0, 0)), (at(0, 0, 0), at(100, 0, 0, speed=1e-9))])
+def test_a_task_that_would_take_for_ever_is_refused_before_it_takes_memory(points):
+    with pytest.raises(ConfigError, match=r"is a way point far away.*or a speed too low"):
+        planned_path(task_of(*points))

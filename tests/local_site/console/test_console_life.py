@@ -8,11 +8,14 @@ import socket
 import subprocess
 import sys
 import time
+from contextlib import ExitStack
 from types import SimpleNamespace
+from urllib.parse import urlsplit
 
 import pytest
 from structlog.testing import capture_logs
 
+from bench.page.bare_console import BareConsole
 from farhand.loopback.site_process import free_ports
 from local_site.console.server import LibraryLog
 
@@ -56,6 +59,16 @@ def test_it_ends_in_time_with_a_frozen_page_and_a_stop_that_nobody_answers():
         finally:
             console.kill()
     assert all(json.loads(line)["site"] == "console" for line in rest.splitlines())
+
+
+def test_more_pages_than_anybody_opens_are_refused(monkeypatch):
+    monkeypatch.setattr("local_site.console.server.MOST_PAGES", 2)
+    with BareConsole() as console, ExitStack() as stack:
+        pages = [stack.enter_context(frozen_page(urlsplit(console.address).port)) for _ in range(3)]
+        pages[-1].settimeout(ENDS_WITHIN_S)
+        told = b""
+        while b"2 pages are open" not in told:
+            told += pages[-1].recv(4096) or pytest.fail("it was closed without a word")
 
 
 @pytest.mark.parametrize(("ending", "told"), [(False, ["server"]), (True, [])])

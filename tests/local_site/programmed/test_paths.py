@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from common.errors import ConfigError
 from common.geometry import angle_between, rotation_from_vector, transform
-from local_site.programmed.approach import SPEED_M_S, SPEED_RAD_S, approach
+from local_site.programmed.approach import LONGEST_M, SPEED_M_S, SPEED_RAD_S, approach, why_too_far
 from local_site.programmed.path_clock import ACCELERATION_PER_S, PathClock
 from local_site.programmed.tool_trajectory import ToolTrajectory
 
@@ -92,3 +92,12 @@ def test_the_clock_turns_back_and_stands_without_passing():
     rates, _ = run(clock, 1.0, 1.0, None)
     assert rates[-1] == 0.0
     assert np.all(np.diff(rates) <= 1e-9)
+
+
+def test_an_approach_to_where_no_arm_reaches_is_refused():
+    far = transform(np.eye(3), np.array([1e6, 0.0, 0.0]))
+    assert "1000000 m away" in why_too_far(np.eye(4), far)
+    with pytest.raises(ConfigError, match="is it a path of this cell"):
+        approach(np.eye(4), far)
+    longest = approach(np.eye(4), transform(np.eye(3), np.array([LONGEST_M, 0.0, 0.0])))
+    assert len(longest.t_s) < 20_000
