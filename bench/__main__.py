@@ -1,6 +1,6 @@
 """Runs every measurement, prints one table each, and writes build/bench.json: {benchmark: {figure: value}}.
 
-    python -m bench [NAME ...] [--full]
+    python -m bench [NAME ...] [--full | --links=LINK,...]
 
 cells      how many cells one router carries: age and fraction of hands and pictures, processor time and memory
 control    what a control tick costs, from decoding to writing, beside Pink's inverse kinematics on the same targets
@@ -16,7 +16,8 @@ tracking   both trackers of a bare arm beside MediaPipe Hands: time, gaps, error
 video      the four views: processor time, bytes, and what arrives through links of 20, 5 and 2 Mbit/s
 wan        both sites over Internet links of a matrix: following, holds, lag, pictures, beside what is demanded
 
---full has wan take the whole matrix, 45 minutes, instead of a part, eight minutes.
+--full has wan take the whole matrix, 45 minutes, instead of a part, eight minutes; --links=120ms_20pc_3pc_5mbit has it
+take that link alone, --links="cut of 1 s" that change.
 
 Pink and MediaPipe are installed below build/ when they are first needed, and skipped where that fails.
 """
@@ -59,13 +60,13 @@ BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
 }
 SHOW_THEMSELVES = {"tracking", "wan"}
 RESULTS = Path("build") / "bench.json"
-FULL = "--full"
 
 
 def main(names: list[str]) -> None:
     """Run the named benchmarks; without names, all."""
-    benchmarks = BENCHMARKS | ({"wan": partial(wan.measure, full=True)} if FULL in names else {})
-    names = [name for name in names if name != FULL]
+    words = [name for name in names if name.startswith("--")]
+    benchmarks = BENCHMARKS | {"wan": partial(wan.measure, *words)}
+    names = [name for name in names if name not in words]
     unknown = set(names) - set(BENCHMARKS)
     if unknown:
         sys.exit(f"no such benchmark: {', '.join(sorted(unknown))}; there are {', '.join(BENCHMARKS)}")

@@ -1,5 +1,6 @@
 """The links of the matrix and those that change under way; pure."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -71,3 +72,23 @@ CHANGES = (
     Change("rate falls from 20 to 2 Mbit/s", WanLink(20, mbit_s=2)),
     Change("delay jumps from 20 to 120 ms", WanLink(120, mbit_s=20)),
 )
+
+FULL, LINKS = "--full", "--links="
+
+
+def chosen(words: Sequence[str]) -> tuple[tuple[WanLink, ...], tuple[Change, ...]]:
+    """What the words of a command choose: the whole matrix, the links and changes named, else a part of the matrix.
+
+    ValueError for a name that is neither a link's nor a change's.
+    """
+    named = next((word.removeprefix(LINKS).split(",") for word in words if word.startswith(LINKS)), None)
+    if named is None:
+        return (MATRIX if FULL in words else SUBSET), CHANGES
+    links, changes = {link.name: link for link in MATRIX}, {change.name: change for change in CHANGES}
+    unknown = [name for name in named if name not in links | changes]
+    if unknown:
+        raise ValueError(
+            f"no link or change is called {', '.join(unknown)}: links are {SUBSET[0].name} and the like, as in "
+            f"build/wan/report.json; changes are {', '.join(changes)}"
+        )
+    return tuple(links[n] for n in named if n in links), tuple(changes[n] for n in named if n in changes)

@@ -1,7 +1,7 @@
-"""Measures the links one after the other on one pair of sites: `python -m bench.wan.run [--full]`.
+"""Measures the links one after the other on one pair of sites: `python -m bench.wan.run [--full | --links=NAME,...]`.
 
-Without --full it takes a part of the matrix, in eight minutes. It writes build/wan: report.json, networks.md (tables),
-networks.png. The whole needs the right to network namespaces and to /dev/net/tun.
+Without a choice it takes a part of the matrix, in eight minutes. It writes build/wan: report.json, networks.md
+(tables), networks.png. The whole needs the right to network namespaces and to /dev/net/tun.
 """
 
 import json
@@ -28,7 +28,7 @@ from bench.wan.figures import (
     ready_after_s,
     session_figures,
 )
-from bench.wan.links import CHANGES, MATRIX, SUBSET, Change, WanLink
+from bench.wan.links import Change, WanLink, chosen
 from bench.wan.pictures import Likeness, picture_figures, read_seen, understated_ms
 from bench.wan.report import write_report
 from bench.wan.setup import PLAYED
@@ -36,7 +36,6 @@ from bench.wan.source import render_source
 from bench.wan.stage import FIGURE_HZ, FIGURE_M, GLIDE_S, MEMORY, WanStage
 
 FOLDER = Path("build") / "wan"
-FULL = "--full"
 CUT_S = 2.5  # more than a link's lease
 ENGAGES_S = 10.0
 SETTLES_S = 5.0  # the glide to the figure of eight, and the pictures' adaptation
@@ -49,12 +48,14 @@ CONGESTION = Path("/proc/sys/net/ipv4/tcp_congestion_control")
 Figures = dict[str, Any]
 
 
-def measure(*, full: bool = False) -> dict[str, float]:
-    """The figures by link, and how many demands were met; in a process of its own, which leaves this host's network."""
+def measure(*words: str) -> dict[str, float]:
+    """The figures by link, and how many demands were met; in a process of its own, which leaves this host's network.
+
+    The words choose the links, as in the command.
+    """
     missing = why_not()
     if missing:
         sys.exit(f"wan: no two hosts on this machine: {missing}")
-    words = [FULL] if full else []
     subprocess.run([*module_command("bench.wan.run"), *words], check=True, cwd=ROOT)
     report = json.loads((ROOT / FOLDER / "report.json").read_text())
     figures = {
@@ -183,4 +184,8 @@ def _tell(name: str, figures: Mapping[str, Any]) -> None:
 
 
 if __name__ == "__main__":
-    run(MATRIX if FULL in sys.argv[1:] else SUBSET, CHANGES)
+    try:
+        links, changes = chosen(sys.argv[1:])
+    except ValueError as error:
+        sys.exit(f"wan: {error}")
+    run(links, changes)

@@ -242,6 +242,7 @@ PROBE = Channel(
     stale_after_ns=NS_PER_S,
     max_bytes=2048,
     depth=64,  # they are counted: a delay on the way must not look like a loss
+    in_lanes=True,
 )
 ECHO = Channel(
     key="farhand/{cell}/echo/{operator}",

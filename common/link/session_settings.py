@@ -37,7 +37,8 @@ class Mode(StrEnum):
 class SessionEndpoints:
     """Where a session listens and where it connects to; `send_buffer_bytes` None is the system's choice.
 
-    A `lane` (`lanes.py`) lets the session go first that it is beside. TransportError when QUIC is to have a bounded buffer.
+    A `lane` (`lanes.py`) lets the session go first that it is beside. TransportError when QUIC is to have a bounded
+    buffer.
     """
 
     mode: Mode

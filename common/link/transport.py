@@ -281,8 +281,8 @@ def open_link(
     when the port is taken. Connecting continues in the background until the other side listens; RefusedError when it
     does but refuses us, or we refuse it. `through_router` is for a site that no other can connect to: all messages go
     through the router at `connect`, which is awaited for ROUTER_PATIENCE_S, or until `should_stop`. With `in_lanes`
-    what channels send in lanes goes over connections of its own too where `connect` is QUIC. The `tap` is called with every
-    message of the link's publishers, subscriptions and servers.
+    what channels send in lanes goes over connections of its own too where `connect` is QUIC. The `tap` is called with
+    every message of the link's publishers, subscriptions and servers.
     """
     listening = tuple(check_free(endpoint, security) for endpoint in listen)
     outgoing = tuple(check_endpoint(endpoint, security) for endpoint in connect)

@@ -196,7 +196,11 @@ def _video(
 
         shown = [link.latest(SHOWN, config.cell, operator=name).take_named for name in config.links.heard]
         key_frames = link.latest(KEY_FRAMES, config.cell).take
-        wire = VideoWire(publish, shown, lambda: site.lease, key_frames, site.show_video_link)
+
+        def has_listener() -> bool:
+            return any(publisher.has_listener for publisher in publishers.values())
+
+        wire = VideoWire(publish, shown, lambda: site.lease, key_frames, site.show_video_link, has_listener)
         look = _marker_look(config, assist) if assist is not None else None
         full = FullPictures(config.video, tap) if tap is not None else None
         run_video(config.video, views, wire, should_stop, heartbeat.beat, look, full)

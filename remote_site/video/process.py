@@ -33,6 +33,7 @@ from remote_site.video.streaming.stream import CameraStream
 LIVE_POLL_NS = 5 * NS_PER_MS
 NARROW_EVERY_NS = 500 * NS_PER_MS
 WATCHED_NS = NS_PER_S
+LISTENERS_EVERY_NS = 50 * NS_PER_MS
 STATUSES = tuple(CameraStatus)
 BYTES, CAPTURE_NS, OLDEST_NS = (len(STATUSES) + k for k in range(3))
 FIELDS = len(STATUSES) + 3
@@ -100,7 +101,7 @@ class VideoWire:
 
     Each source of `shown` returns a report once, with the operator whose key it came on; `key_frames` returns each
     viewer's request once. `show_narrow` is told twice a second whether the link is too narrow for the pictures, and how
-    much.
+    much. `has_listener` is whether anybody receives pictures.
     """
 
     publish: Callable[[VideoFrame], None]
@@ -108,6 +109,7 @@ class VideoWire:
     lease: Callable[[], LeaseInForce | None] = lambda: None
     key_frames: Callable[[], KeyFrameRequest | None] = lambda: None
     show_narrow: Callable[[VideoLink | None], None] = lambda _link: None
+    has_listener: Callable[[], bool] = lambda: True
 
 
 @dataclass(slots=True)
@@ -147,12 +149,16 @@ class _Console:
     refusals: RefusalLog = field(default_factory=lambda: RefusalLog("a console's report of its views is refused"))
     reported_ns: int = 0
     heard_ns: int = 0
+    looked_ns: int = 0
 
     def is_watched(self, now_ns: int) -> bool:
         """Whether the console that counts has reported lately."""
         return now_ns - self.heard_ns <= WATCHED_NS
 
     def listen(self, now_ns: int) -> None:
+        if now_ns - self.looked_ns >= LISTENERS_EVERY_NS:
+            self.looked_ns = now_ns
+            self.adaptation.listened(now_ns, has_listener=self.wire.has_listener())
         for source in self.wire.shown:
             self._take(source, now_ns)
         if now_ns - self.reported_ns >= NARROW_EVERY_NS:

@@ -29,6 +29,8 @@ SETTLE_NS = 1500 * NS_PER_MS  # rates are counted over a second
 CAUTION = 0.7, 1.3  # of the rate at which it last fell behind: between these the rate grows slowly
 GROWTH_PER_S, CAUTIOUS_GROWTH_PER_S = 1.6, 1.04
 LEAST_FPS = 5.0
+UNTOLD_NS = 3 * NS_PER_S  # within which a console that operates reports, also over a link with a long way
+UNTOLD_SCALE = 0.5
 
 
 class PageRate:
@@ -69,6 +71,9 @@ class PageRate:
 class Adaptation:
     """The settings of all cameras, following the newest console that reports; full without any.
 
+    Who has just begun to listen may be a console behind a narrow link, which can report only after pictures have come:
+    until then, or for UNTOLD_NS, few and small ones are sent. All at once would fill the link for seconds.
+
     The link's rate follows from what comes to the console, and how late; the rate worth sending from what its page
     paints of that, and how much later. A console is followed until a newer one reports or it has been silent for a
     second. Viewers never report, so that they get what suits the operator's link. The budget is divided so that each
@@ -81,13 +86,21 @@ class Adaptation:
         self._new_choice = partial(CodecChoice, config.codec, encodes=h264)
         self._sent = {camera.name: SentPictures() for camera in config.cameras}
         self._reported_ns = self._newest_told_ns = 0
+        self._listened_ns: int | None = -UNTOLD_NS
         self._older: deque[int] = deque(maxlen=OLDER_CONSOLES)
         self._forget(None)
 
     def sent(self, frame: VideoFrame, now_ns: int) -> None:
         """Note a message that was sent."""
         if frame.data:
-            self._sent[frame.camera].send(frame, self._settings[frame.camera], now_ns)
+            self._sent[frame.camera].send(frame, self.setting(frame.camera, now_ns), now_ns)
+
+    def listened(self, now_ns: int, *, has_listener: bool) -> None:
+        """Take note of whether anybody receives the pictures now."""
+        if not has_listener:
+            self._listened_ns = None
+        elif self._listened_ns is None:
+            self._listened_ns = now_ns
 
     def update(self, shown: ViewsShown, now_ns: int) -> None:
         """Take a console's report of what it has shown."""
@@ -107,7 +120,10 @@ class Adaptation:
         """How the camera's next picture is to be sent."""
         if self._console is not None and now_ns - self._reported_ns > SHOWN.stale_after_ns:
             self.forget()
-        return self._settings[camera]
+        setting = self._settings[camera]
+        if self._console is None and (self._listened_ns is None or now_ns - self._listened_ns < UNTOLD_NS):
+            return replace(setting, scale=UNTOLD_SCALE, fps=min(LEAST_FPS, setting.fps))
+        return setting
 
     def forget(self) -> None:
         """Follow no console, until one reports again."""

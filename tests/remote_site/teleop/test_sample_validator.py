@@ -76,6 +76,12 @@ def test_duplicates_and_older_samples_are_refused(intake):
     assert intake.rejected == {Code.DUPLICATE: 1, Code.OLD: 1}
 
 
+@pytest.mark.parametrize(("seq", "repeats"), [(5, Code.DUPLICATE), (4, Code.OLD)])
+def test_a_copy_that_comes_beyond_the_age_limit_is_a_repeat_and_says_nothing_about_the_newest(intake, seq, repeats):
+    accept(intake, hand(5, NOW))
+    assert code(accept(intake, hand(seq, NOW - (5 - seq) * PERIOD), NOW + 300 * NS_PER_MS)) is repeats
+
+
 def test_a_later_number_on_the_same_picture_is_refused(intake):
     accept(intake, hand(5, NOW))
     assert code(accept(intake, hand(6, NOW))) is Code.OLD

@@ -15,7 +15,7 @@ from common.messages.video import (
     ViewsShown,
 )
 from remote_site.video.config import VideoConfig
-from remote_site.video.streaming.adaptation import Adaptation, fair_limit
+from remote_site.video.streaming.adaptation import LEAST_FPS, Adaptation, fair_limit
 from remote_site.video.streaming.encoding import Encoded
 from remote_site.video.streaming.sent_pictures import SentPictures
 from remote_site.video.streaming.setting import StreamSetting, fit
@@ -154,6 +154,30 @@ def test_without_a_console_all_is_sent_at_full_quality():
     for k in range(300):
         adaptation.sent(frame("side", k), k * 33 * MS)
         assert adaptation.setting("side", k * 33 * MS) == FULL
+
+
+def test_who_has_just_begun_to_listen_gets_little_until_it_reports_or_for_three_seconds():
+    adaptation = Adaptation(CONFIG, h264=False)
+    adaptation.listened(0, has_listener=False)
+    assert adaptation.setting("side", 0).fps == LEAST_FPS
+    adaptation.listened(100 * MS, has_listener=True)
+    for now_ns in range(100 * MS, 3100 * MS, 50 * MS):
+        adaptation.listened(now_ns, has_listener=True)
+        setting = adaptation.setting("side", now_ns)
+        assert setting.fps * setting.relative_bytes < 0.1 * FULL.fps * FULL.relative_bytes
+    assert adaptation.setting("side", 3100 * MS) == FULL
+
+
+def test_a_console_that_has_reported_gets_what_its_link_carries_at_once():
+    adaptation = Adaptation(CONFIG, h264=False)
+    adaptation.listened(0, has_listener=False)
+    adaptation.listened(100 * MS, has_listener=True)
+    for k in range(20):
+        now_ns = (100 + 100 * k) * MS
+        for camera in FULL_BYTES:
+            adaptation.sent(frame(camera, k, capture_ns=now_ns), now_ns)
+        adaptation.update(shown(1, now_ns, k), now_ns)
+    assert adaptation.setting("side", now_ns) == FULL
 
 
 def test_a_console_that_falls_silent_counts_for_a_second():

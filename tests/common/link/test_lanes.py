@@ -1,0 +1,111 @@
+"""Lanes: copies of hand samples on connections of their own, which no window holds back; each sample counts once."""
+
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from common.link.channels import HAND, STATE
+from common.link.lanes import LANES, REMEMBERED, Copies, LanePublisher
+from common.link.transport import open_link
+from tests.common.link.secured_cell import ANNA, CELL, HAND_SAMPLE, Cell, running, secured, until
+
+PERIOD_MS, SAMPLE_BYTES = 33, 210
+PACKET_BYTES = 1200  # the least that QUIC's congestion control counts with
+ACK_DELAY_MS = 25
+
+
+@dataclass
+class Connection:
+    """QUIC's congestion control after losses: a window of two packets, of which a whole one has to be free to send."""
+
+    round_trip_ms: int
+    waiting: list[int] = field(default_factory=list)
+    longest_ms: int = 0
+    _in_flight: list[tuple[int, int]] = field(default_factory=list)  # until when (ms), bytes
+
+    def step(self, now_ms: int) -> None:
+        self._in_flight = [(until_ms, size) for until_ms, size in self._in_flight if until_ms > now_ms]
+        if self.waiting and sum(size for _, size in self._in_flight) + PACKET_BYTES < 2 * PACKET_BYTES:
+            self.longest_ms = max(self.longest_ms, now_ms - self.waiting[0])
+            self._in_flight.append((now_ms + self.round_trip_ms + ACK_DELAY_MS, SAMPLE_BYTES * len(self.waiting)))
+            self.waiting.clear()
+
+
+@dataclass
+class Taker:
+    """Stands for a lane's publisher."""
+
+    taken: list[bytes] = field(default_factory=list)
+
+    def put(self, payload: bytes) -> None:
+        self.taken.append(payload)
+
+
+def neighbours(cell: Cell) -> int:
+    """How many sessions are connected to the cell's."""
+    return len(cell.link._session.info.peers_zid())
+
+
+def longest_wait_ms(connections: int, round_trip_ms: int) -> int:
+    """The longest that a sample waits in half a minute, each going on one connection in turn."""
+    lanes = [Connection(round_trip_ms) for _ in range(connections)]
+    for now_ms in range(30_000):
+        if now_ms % PERIOD_MS == 0:
+            lanes[now_ms // PERIOD_MS % connections].waiting.append(now_ms)
+        for lane in lanes:
+            lane.step(now_ms)
+    return max(lane.longest_ms for lane in lanes)
+
+
+@pytest.mark.parametrize("round_trip_ms", [240, 290, 400, 500])
+def test_on_a_long_way_with_losses_samples_wait_on_one_connection_and_never_in_lanes(round_trip_ms: int) -> None:
+    assert longest_wait_ms(1, round_trip_ms) > 2 * PERIOD_MS
+    assert longest_wait_ms(LANES, round_trip_ms) == 0
+
+
+def test_lanes_take_turns() -> None:
+    takers = [Taker() for _ in range(3)]
+    publisher = LanePublisher(takers)  # type: ignore[arg-type]  # stand-ins
+    for k in range(7):
+        publisher.put(bytes([k]))
+    assert [[payload[0] for payload in taker.taken] for taker in takers] == [[0, 3, 6], [1, 4], [2, 5]]
+
+
+def test_a_copy_is_known_by_every_byte_and_for_two_seconds() -> None:
+    copies = Copies()
+    assert not copies.is_copy(b"one")
+    assert copies.is_copy(b"one")
+    assert not copies.is_copy(b"one ")
+    for k in range(REMEMBERED):
+        assert not copies.is_copy(b"%d" % k)
+    assert not copies.is_copy(b"one")
+
+
+def test_each_sample_counts_once_however_many_connections_bring_it(pki: Path) -> None:
+    with running(secured(pki, "remote"), "quic") as cell:
+        security = secured(pki, "operator.anna")
+        with open_link(connect=(cell.endpoint,), security=security, in_lanes=True) as link:
+            hand, state = link.publisher(HAND, CELL, operator=ANNA), link.latest(STATE, CELL)
+            until(lambda: hand.put(HAND_SAMPLE) or cell.hands)
+            until(state.take)
+            until(lambda: neighbours(cell) == 1 + LANES)
+            before = cell.hands
+            for k in range(1, 21):
+                hand.put(msgspec.structs.replace(HAND_SAMPLE, seq=HAND_SAMPLE.seq + k))
+                time.sleep(0.01)
+            until(lambda: cell.hands >= before + 20)
+            time.sleep(0.1)
+            assert cell.hands == before + 20
+        until(lambda: neighbours(cell) == 0)
+
+
+def test_by_tls_there_are_no_lanes(pki: Path) -> None:
+    with running(secured(pki, "remote")) as cell:
+        security = secured(pki, "operator.anna")
+        with open_link(connect=(cell.endpoint,), security=security, in_lanes=True) as link:
+            hand = link.publisher(HAND, CELL, operator=ANNA)
+            until(lambda: hand.put(HAND_SAMPLE) or cell.hands)
+            assert neighbours(cell) == 1
