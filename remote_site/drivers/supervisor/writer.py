@@ -160,7 +160,8 @@ class PacedWriter:
         """Write what is due of the commands and then of the stop; the fault if the driver fails."""
         if now_ns < self._due_ns:
             return None
-        self._due_ns = max(self._due_ns + self.period_ns, now_ns) if self.period_ns else 0
+        on_time = now_ns - self._due_ns < self.period_ns
+        self._due_ns = (self._due_ns if on_time else now_ns) + self.period_ns
         again, self._again = self._again or self.period_ns > 0, False
         following = self._next(stop, now_ns)
         if following is None and not again:

@@ -35,9 +35,9 @@ class PerfectArm(PositionArm):
     lag_ms = 20.0
     writes_stop = True
 
-    def __init__(self, rate_hz: float) -> None:
-        self.rate_hz, self.q = rate_hz, START
-        self.sent: list[Array] = []
+    def __init__(self, clock: FakeClock, rate_hz: float) -> None:
+        self.clock, self.rate_hz, self.q = clock, rate_hz, START
+        self.sent, self.sent_ns = list[Array](), list[int]()
         self.stops = 0
 
     def read(self) -> Array:
@@ -46,6 +46,7 @@ class PerfectArm(PositionArm):
     def write(self, positions: Array) -> None:
         self.q = positions
         self.sent.append(positions)
+        self.sent_ns.append(self.clock.now_ns())
 
     def stop(self) -> None:
         self.stops += 1
@@ -57,15 +58,17 @@ class Rig:
 
     rate_hz: float = 100.0
     goal: Array = field(default_factory=lambda: GOAL)
+    speed: float = 1.0  # of the joints' own
 
     def __post_init__(self) -> None:
-        self.clock, self.arm = FakeClock(NS_PER_S), PerfectArm(self.rate_hz)
+        self.clock = FakeClock(NS_PER_S)
+        self.arm = PerfectArm(self.clock, self.rate_hz)
         self.driver, memory = PositionArmDriver(self.arm, self.clock), DriverMemory.create(6)
         self.driver.configure(SETUP)
         self.supervisor = DriverSupervisor(self.driver, SETUP, self.clock, memory.busy, GripWatch(GripSettings()))
         self.desk = DriverLoop(self.supervisor, memory, self.clock)
         self.link = DriverLink(memory, SETUP.limits, self.clock)
-        self.follower, self.seq = JerkLimitedTracker(SETUP.limits, SETUP.dt), 0
+        self.follower, self.seq = JerkLimitedTracker(SETUP.limits.scaled_speed(self.speed), SETUP.dt), 0
         self.turn_ns, self.ended = self.clock.now_ns(), False
         self.rate = Rate(1 / SETUP.dt, self.clock, least_fraction=LEAST_FRACTION)
         self.sent = JointMotion.at_rest(START)
@@ -119,6 +122,29 @@ def test_after_a_pause_no_step_is_longer_and_the_arm_ends_where_the_plan_does(pa
     assert rig.most() <= 1.0001
     assert rig.most() > 0.5  # it was fast
     assert np.diff([q[0] for q in rig.arm.sent]).min() >= -1e-8  # and never goes back
+
+
+@pytest.mark.parametrize("rate_hz", [30.0, 100.0, 500.0])
+@pytest.mark.parametrize("pause_ms", MS)
+def test_after_a_pause_the_arm_goes_no_faster_than_it_would_have(pause_ms: float, rate_hz: float) -> None:
+    """What it has missed is no reason to go at full speed."""
+    rig = Rig(rate_hz, speed=0.25).run(500)
+    before = rig.most()
+    rig.run(2000, pause_ms)
+    assert rig.supervisor.fault is None
+    assert before > 0.2
+    assert rig.most() <= before / LEAST_FRACTION * 1.01
+
+
+def test_after_a_pause_the_arm_is_written_no_more_often_than_it_takes_positions() -> None:
+    rig = Rig().run(300).run(1000, 60.0)
+    assert np.diff(rig.arm.sent_ns).min() >= (10 - 2.1) * NS_PER_MS
+    rig.ended = True
+    rig.driver.stop()
+    first = len(rig.arm.sent_ns)
+    rig.run(20)
+    rig.run(1000, 55.0)
+    assert np.diff(rig.arm.sent_ns[first:]).min() >= (10 - 2.1) * NS_PER_MS
     assert rig.arm.sent[-1] == pytest.approx(GOAL, abs=1e-6)
 
 

@@ -2,6 +2,7 @@
 
 from common.clock import NS_PER_MS
 from common.messages.robot import GripperCommand
+from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.gripper_orders import ORDER_NS, GripperOrders
 from tests.remote_site.drivers.supervisor.supervised import Supervised
 
@@ -26,6 +27,19 @@ def test_an_order_that_a_stop_finds_unwritten_is_never_written() -> None:
     assert supervised.fault().code.value == "stopped"
     supervised.activate(supervised.motion.q)
     supervised.commands(60)
+    assert set(given(supervised)) == {KEEP}
+
+
+def test_what_was_ordered_before_a_fault_is_not_repeated_by_the_first_writes_of_an_activation() -> None:
+    supervised = Supervised(rate_hz=15.0).activate()
+    for _ in range(40):
+        supervised.command(supervised.motion, gripper=OPEN)
+    assert OPEN in given(supervised)
+    supervised.robot.trouble = RobotFault(FaultCode.ROBOT, "as commanded")
+    supervised.turns(2)
+    supervised.robot.trouble = None
+    supervised.activate(supervised.motion.q)
+    supervised.turns(100)
     assert set(given(supervised)) == {KEEP}
 
 

@@ -124,6 +124,7 @@ def test_a_slow_robot_goes_through_a_stumble_at_its_speeds_too(late_ms, ticks):
     acceleration = np.diff(speed, axis=0) / steps[1:]
     in_ticks = 1 + 4 / 67  # a setpoint is a whole tick's
     assert (np.abs(speed) <= LIMITS.velocity * in_ticks).all()
+    assert (np.abs(np.diff(q, axis=0)) <= LIMITS.velocity / 15.0 * 1.0001).all()
     assert (np.abs(acceleration) <= LIMITS.acceleration * 1.5).all()  # what a tick more or less makes of full speed
     assert np.diff(q[:, 0]).min() >= -1e-8
 
