@@ -28,7 +28,7 @@ MM = 1e3
 TEXT = (
     "The palm of the arm of HAZEL-S commands the humanoid's: once exactly as it is, once as the monocular tracker "
     "estimates it in the pictures, not smoothed. relative: the palm's motion since engagement, added to the tool's "
-    "position then. incremental: the motion since the last sample, added to the measured position of the tool, as in "
+    "position then. incremental: the motion since the last sample, added to where the tool was sent last, as in "
     "section 3 of the ROBONAUT report; at 30 frames a second the arm has not arrived when the next sample comes, and "
     "the rest of its motion is lost. An arm that arrives before the next sample, as the report's could at a second per "
     "frame, loses nothing. The samples always carry the palm's position, not its motion. All distances are from the "

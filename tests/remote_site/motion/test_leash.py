@@ -67,6 +67,9 @@ def test_an_arm_that_stands_still_holds_the_target_within_the_leash_wherever_it_
         sent = former
     assert way_m(former) == pytest.approx(0.2, rel=1e-3)
     assert way_m(former) <= 0.2 + 1e-9
+    why = LEASH.hold(moved((0.0, 0.3, 0.0)), former, sent, TOOL)[1]
+    assert why is not None
+    assert why.sentence == "the target is 300 mm ahead of the arm and held at 200 mm"
 
 
 def test_the_way_back_to_an_arm_that_stands_still_is_open() -> None:

@@ -61,3 +61,11 @@ def test_after_a_pause_the_other_has_as_long_as_ever_to_speak():
         silence.of((look - 2) * NS_PER_MS, look * NS_PER_MS)
     after = [silence.of(696 * NS_PER_MS, look * NS_PER_MS) for look in range(1700, 1796, 2)]
     assert max(after) < 100 * NS_PER_MS
+
+
+def test_a_pause_before_the_last_word_shortens_no_silence_after_it():
+    silence = Silence(50 * NS_PER_MS)
+    for look, last in ((10, 0), (1010, 0), (1012, 1011)):
+        silence.of(last * NS_PER_MS, look * NS_PER_MS)
+    later = [silence.of(1011 * NS_PER_MS, look * NS_PER_MS) for look in (1050, 1090, 1131)]
+    assert later == [39 * NS_PER_MS, 79 * NS_PER_MS, 120 * NS_PER_MS]

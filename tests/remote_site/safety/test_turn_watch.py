@@ -43,6 +43,7 @@ def test_a_turn_in_time_ends_it():
 
 def test_how_long_the_last_turn_took_is_told():
     watch = TurnWatch()
+    assert (watch.took_ns, watch.slow_ns) == (0, 0)
     watch.note(10 * NS_PER_MS)
     assert watch.took_ns == 0
     watch.note(14 * NS_PER_MS)

@@ -1,5 +1,9 @@
 """Activation: only at rest, only where the arm is, and refused while the robot has a fault."""
 
+from dataclasses import replace
+
+import pytest
+
 from common.errors import DriverError
 from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
 from remote_site.drivers.supervisor.state import ACTIVE, INACTIVE, SupervisorState
@@ -64,3 +68,24 @@ def test_an_arm_is_not_activated_at_what_is_no_position(rig: Supervised) -> None
     rig.activate(START * float("nan"))
     assert rig.fault().code is FaultCode.APART
     assert rig.robot.activations == activations
+
+
+def test_an_arm_whose_encoders_were_set_anew_is_activated_where_it_is_once_it_could_have_got_there(
+    rig: Supervised,
+) -> None:
+    rig.turns(10)
+    anew = START + 0.5
+    rig.robot.spoil = lambda reading: replace(reading, q=reading.q + 0.5)
+    rig.robot.off_rad = -0.5
+    rig.turn()
+    assert rig.fault().code is FaultCode.IMPLAUSIBLE
+    rig.activate(anew)
+    assert rig.fault().code is FaultCode.IMPLAUSIBLE
+    assert rig.robot.activations == 0
+    rig.turns(150)
+    assert rig.supervisor.reading is not None
+    assert rig.supervisor.reading.q == pytest.approx(anew)
+    rig.activate(anew)
+    rig.turn()
+    assert rig.supervisor.fault is None
+    assert rig.supervisor.state is SupervisorState.FOLLOWING
