@@ -20,6 +20,7 @@ Replied = TypeVar("Replied", bound=Reply)
 OnRefused = Callable[[MessageError], None]
 
 REFUSAL = b"refused: "  # prefix of our own error replies: Zenoh sends others, for example on a time-out
+LEAST_KEPT = 64  # replies; looking through all at each would be work that whoever asks a lot makes for control
 MAX_DEADLINE_AHEAD_NS = 10 * NS_PER_S  # bounds how long a reply is kept for repetitions of its request
 
 
@@ -90,6 +91,7 @@ class IdempotentServer(Generic[Requested, Replied]):
         self._server = server
         self._reply = reply
         self._done: dict[tuple[str, int], tuple[int, Replied]] = {}  # operator, request id: deadline in ns, reply
+        self._forget_at = LEAST_KEPT
 
     def take(self, now_ns: int) -> Asked[Requested, Replied] | None:
         """A request to carry out, None if none waits; never blocks."""
@@ -104,8 +106,10 @@ class IdempotentServer(Generic[Requested, Replied]):
             return None
 
         def reply(done: Replied) -> None:
-            self._done = {key: kept for key, kept in self._done.items() if kept[0] >= now_ns}
             self._done[operator, request.id] = (request.deadline_ns, done)
+            if len(self._done) >= self._forget_at:
+                self._done = {key: kept for key, kept in self._done.items() if kept[0] >= now_ns}
+                self._forget_at = max(LEAST_KEPT, 2 * len(self._done))
             answer(done)
 
         return Asked(operator, request, reply)

@@ -1,6 +1,7 @@
 """Links between sites: Zenoh sessions with explicit endpoints, which publish, subscribe, ask and answer."""
 
 import json
+import os
 import threading
 import time
 from collections.abc import Callable, Collection, Sequence
@@ -36,6 +37,9 @@ PENDING_REQUESTS = 16
 CLOSE_PATIENCE_S = 0.4
 ROUTER_PATIENCE_S = 20.0
 ROUTER_POLL_S = 0.2
+STACK_BYTES = (
+    32 << 20
+)  # of each thread of Zenoh: it forgets a neighbour's names chunk by chunk, one call within another
 CONTROL = (ChannelSession.CONTROL,)
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
@@ -335,6 +339,7 @@ def _open_through_router(endpoints: SessionEndpoints, served: Served, should_sto
 
 def open_session(endpoints: SessionEndpoints, served: Served) -> zenoh.Session:
     """A session of Zenoh with our settings; TransportError when it cannot be opened."""
+    os.environ.setdefault("RUST_MIN_STACK", str(STACK_BYTES))  # read when Zenoh starts its first thread
     config = zenoh.Config()
     for key, value in session_settings(endpoints, served).items():
         config.insert_json5(key, json.dumps(value))

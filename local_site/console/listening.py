@@ -47,7 +47,7 @@ class Listeners:
             target=_listen, args=(latest, Handover(self._loop, take, latest.depth)), name="listen", daemon=True
         )
         thread.start()
-        self._threads.append(thread)
+        self._threads = [*(each for each in self._threads if each.is_alive()), thread]
 
     def join(self) -> None:
         """Wait for the threads once the links are closed: none may still use a link when the process ends."""

@@ -15,6 +15,16 @@ Take = Callable[[VideoFrame], None]
 JOIN_S = 0.5
 
 
+def only_of(name: str, take: Take) -> Take:
+    """Takes pictures that say they are of this camera: what is kept of each is bounded by the names that are known."""
+
+    def taken(frame: VideoFrame) -> None:
+        if frame.camera == name:
+            take(frame)
+
+    return taken
+
+
 class Pictures:
     """Brings the cell's views to `camera` and the operator's to `preview`, in a thread of its own.
 
@@ -55,10 +65,10 @@ class Pictures:
             names, links, cell = self._names, self._config.links, self._config.cell
             with open_link(connect=(links.video, links.local), security=links, sessions=list(ChannelSession)) as link:
                 for name in names:
-                    self._listeners.listen(link.latest(CAMERA, cell, name), self._camera)
+                    self._listeners.listen(link.latest(CAMERA, cell, name), only_of(name, self._camera))
                 for name in CAMERAS if link.may_receive(PREVIEW) else ():
                     preview = link.latest(PREVIEW, cell, name, operator=self._config.name)
-                    self._listeners.listen(preview, self._preview)
+                    self._listeners.listen(preview, only_of(name, self._preview))
                 self._wait_until(lambda: not self._watched or self._names != names)  # noqa: B023  # called here alone
 
     def _wait_until(self, is_so: Callable[[], bool]) -> bool:

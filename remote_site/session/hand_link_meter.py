@@ -12,7 +12,7 @@ from common.messages.robot import HandLink
 
 WINDOW_NS = 5 * NS_PER_S
 MEASURED_EVERY_NS = 200 * NS_PER_MS
-LEAST_ARRIVALS = 10
+LEAST_ARRIVALS, MOST_ARRIVALS = 10, 1024  # at 120 Hz 600 come in the window; more would be work for control
 EXCEEDED_BY = 0.05  # of the samples: the age that is reported
 
 
@@ -62,7 +62,7 @@ class HandLinkMeter:
         self.network_ms: float | None = None
         self._session: int | None = None
         self._newest_ns = -1
-        self._arrivals: deque[MeteredSample] = deque()
+        self._arrivals: deque[MeteredSample] = deque(maxlen=MOST_ARRIVALS)
         self._measured: HandLink | None = None
         self._measured_ns: int | None = None
 

@@ -61,7 +61,7 @@ class SentPictures:
     def forget(self) -> None:
         """Another console reports, or none: nothing that the last one has shown counts any more."""
         self._newest: _Sent | None = None
-        self._passed_ns: deque[int] = deque()
+        self._passed_ns: deque[int] = deque(maxlen=MOST_WAITING)  # told times may stand still
         self._sent_bytes = 0
 
     def send(self, frame: VideoFrame, setting: StreamSetting, now_ns: int) -> None:

@@ -7,7 +7,7 @@ import pytest
 from common.clock import NS_PER_MS, ClockOffset
 from common.messages.hand import HandArm
 from common.messages.robot import HandLink
-from remote_site.session.hand_link_meter import HandLinkMeter, SampleAge
+from remote_site.session.hand_link_meter import MOST_ARRIVALS, HandLinkMeter, SampleAge
 from remote_site.session.hand_link_verdict import judged
 from tests.remote_site.remote_loop import hand
 
@@ -212,3 +212,14 @@ def test_rare_samples_are_told_by_the_rate_of_the_cameras(period_ms: int, tracki
     told = f"a sample each {period_ms} ms, {tracking_ms + 8:.0f} ms old at arrival; the limit is 125 ms"
     assert told in link.reason
     assert cure in link.reason
+
+
+def test_a_flood_of_samples_is_measured_by_the_newest_alone() -> None:
+    meter = HandLinkMeter()
+    offset, now_ns = ClockOffset(APART_MS * NS_PER_MS, 0), START_MS * NS_PER_MS
+    for count, late_ms in ((20_000, 90.0), (MOST_ARRIVALS, 20.0)):
+        for _ in range(count):  # 20 000 a second
+            now_ns += NS_PER_MS // 20
+            captured_ns = now_ns + round((APART_MS - late_ms) * NS_PER_MS)
+            meter.arrive(hand(1, captured_ns), offset, now_ns)
+    assert measured(meter, now_ns).age_ms == pytest.approx(20.0)
