@@ -178,6 +178,10 @@ class Code(StrEnum):
     )
     MARKER_STALE = "marker_stale", "no new picture shows marker {marker}: the pictures are {age_ms:.0f} ms old"
     MARKER_DOUBLED = "marker_doubled", "{view} sees marker {marker} twice: take one of the two away"
+    MARKER_CROWDED = (
+        "marker_crowded",
+        "{view} shows too many markers to look at marker {marker} in time: take those away that no target names",
+    )
     MARKER_GRAZING = (
         "marker_grazing",
         "marker {marker} is seen at a grazing angle, {angle_deg:.0f} deg (limit {limit_deg:.0f} deg)",

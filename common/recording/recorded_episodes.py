@@ -9,7 +9,7 @@ import msgspec
 from common.messages.recording import EpisodeOutcome
 from common.recording.episodes import EpisodeEvent, EpisodeEventKind
 from common.recording.hand_transcript import EPISODE
-from common.recording.reader import KeptMessage, RecordingReader
+from common.recording.reader import KeptMessage, RecordingReader, as_recorded
 
 
 class RecordedEpisode(NamedTuple):
@@ -27,7 +27,7 @@ def read_episodes(parts: Sequence[Path]) -> list[RecordedEpisode]:
     """The episodes of a recording, from all its files in order."""
     events: list[EpisodeEvent] = []
     for part in parts:
-        with RecordingReader(part) as recording:
+        with RecordingReader(part) as recording, as_recorded(part):
             events += episode_events(recording)
     return episodes_of(events)
 

@@ -12,11 +12,18 @@ from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from common.errors import RecordingError
 from common.messages.recording import EpisodeOutcome
 from common.recording.folder import NAME
-from common.recording.reader import KeptMessage, RecordingReader
+from common.recording.reader import KeptMessage, RecordingReader, as_recorded
 from common.recording.recorded_episodes import RecordedEpisode, episode_events, episodes_of
 from common.text import name_mistake
 from farhand.export.recorded_signals import SIGNAL_TOPICS, signals_of
-from farhand.export.session import RecordedSession, SessionEpisode, SessionFacts, SessionSignals, ViewPicture
+from farhand.export.session import (
+    MOST_PIXELS,
+    RecordedSession,
+    SessionEpisode,
+    SessionFacts,
+    SessionSignals,
+    ViewPicture,
+)
 from remote_site.recording.topics import GRIPPER, image_topic
 from remote_site.recording.transcript import CELL_TABLE
 
@@ -68,6 +75,7 @@ class McapSession:
         first = readers[0]
         try:
             cell = first.table(CELL_TABLE)
+            robot, joints = cell["robot"], tuple(cell["joints"].split(","))
         except KeyError as error:
             cure = "leave it out, and export what 'farhand record' keeps at the remote site"
             raise RecordingError(f"{paths[0]} is no recording of a cell: {cure}") from error
@@ -76,14 +84,16 @@ class McapSession:
         topics = {topic for reader in readers for topic, count in reader.topics.items() if count}
         size = sum(path.stat().st_size for path in paths)
         self._views = {image_topic(view).name: view for view in _views(topics)}
-        episodes = episodes_of(chain.from_iterable(map(episode_events, readers)))
+        with as_recorded(paths[0]):
+            episodes = episodes_of(chain.from_iterable(map(episode_events, readers)))
+            sizes_px = {view: self._size_px(topic) for topic, view in self._views.items()}
         self.facts = SessionFacts(
             name=name,
             identity=f"{name} {size} {begin_ns + first.epoch_minus_clock_ns}",
-            robot=cell["robot"],
-            joint_names=tuple(cell["joints"].split(",")),
+            robot=robot,
+            joint_names=joints,
             has_gripper=GRIPPER.name in topics,
-            views={view: self._size_px(topic) for topic, view in self._views.items()},
+            views=sizes_px,
             begin_ns=begin_ns,
             end_ns=end_ns,
             utc_minus_clock_ns=first.epoch_minus_clock_ns,
@@ -92,12 +102,14 @@ class McapSession:
 
     def signals(self) -> SessionSignals:
         """All of it but its pictures."""
-        return signals_of(self._messages(SIGNAL_TOPICS), self.facts.joint_names)
+        with as_recorded(self._readers[0].path):
+            return signals_of(self._messages(SIGNAL_TOPICS), self.facts.joint_names)
 
     def pictures(self, begin_ns: int, end_ns: int) -> Iterator[ViewPicture]:
         """The pictures of all views exposed in this time, in the order of their exposures."""
-        for topic, t_ns, _, data in self._messages(list(self._views), begin_ns, end_ns):
-            yield ViewPicture(self._views[topic], t_ns, CompressedImage.FromString(data).data)
+        with as_recorded(self._readers[0].path):
+            for topic, t_ns, _, data in self._messages(list(self._views), begin_ns, end_ns):
+                yield ViewPicture(self._views[topic], t_ns, CompressedImage.FromString(data).data)
 
     def _messages(
         self, topics: Sequence[str], begin_ns: int | None = None, end_ns: int | None = None
@@ -108,8 +120,12 @@ class McapSession:
 
     def _size_px(self, topic: str) -> tuple[int, int]:
         """The size (width, height) of a view's pictures, from its first one."""
-        kept = next(self._messages([topic]))
+        kept = next(self._messages([topic]), None)
+        if kept is None:
+            raise ValueError(f"{topic} has no picture, though its index counts some")
         height, width, _, _ = simplejpeg.decode_jpeg_header(CompressedImage.FromString(kept.data).data)
+        if width * height > MOST_PIXELS:
+            raise ValueError(f"a picture of {width} x {height} pixels, more than any camera gives")
         return width, height
 
 

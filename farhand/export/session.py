@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from common.geometry import Array
 
 Times = NDArray[np.int64]
+MOST_PIXELS = 64_000_000  # of a picture; what claims more is not decoded
 
 
 class Signal(NamedTuple):

@@ -9,7 +9,7 @@ import msgspec
 
 from common.errors import MessageError, RecordingError
 from common.recording.folder import parts_from
-from common.recording.reader import RecordingReader
+from common.recording.reader import RecordingReader, as_recorded
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.kinematics.meshes import place_meshes
@@ -48,7 +48,8 @@ def recorded_config(recording: RecordingReader, folder: Path) -> RemoteConfig:
     except KeyError as error:
         missing = error.args[0]
         raise RecordingError(f"{recording.path} is no recording of a remote site: it has no {missing}") from error
-    return with_urdf(config, urdf, folder)
+    with as_recorded(recording.path):
+        return with_urdf(config, urdf, folder)
 
 
 def with_urdf(config: RemoteConfig, urdf: bytes, folder: Path) -> RemoteConfig:

@@ -10,6 +10,7 @@ from typing import Self
 import msgspec
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from foxglove_schemas_protobuf.Log_pb2 import Log
+from google.protobuf.message import DecodeError
 
 from common.clock import NS_PER_S
 from common.errors import MessageError, RecordingError
@@ -21,7 +22,7 @@ from common.messages.robot import RobotState
 from common.messages.video import CameraStatus, Codec, VideoFrame
 from common.recording.folder import parts_from
 from common.recording.hand_transcript import EPISODE, LOG
-from common.recording.reader import KeptMessage, RecordingReader
+from common.recording.reader import KeptMessage, RecordingReader, as_recorded
 from common.recording.recorded_episodes import event_in
 from farhand.replay.recorded_cycles import recorded_config
 from remote_site.config import RemoteConfig
@@ -92,7 +93,7 @@ class RecordedScene:
             for message in part.messages(wanted, from_ns - BEFORE_NS):
                 try:
                     yield message.t_ns, self._message(message)
-                except MessageError:
+                except (MessageError, DecodeError):
                     continue
 
     def _is_shown(self, topic: str) -> bool:
@@ -128,11 +129,12 @@ class RecordedScene:
         """Those of a file; where it is damaged, so far, and that."""
         at_s = 0.0
         try:
-            for message in part.messages(EVENT_TOPICS):
-                at_s = (message.t_ns - self.begin_ns) / NS_PER_S
-                event = self._event(message, at_s)
-                if event is not None:
-                    yield event
+            with as_recorded(part.path):
+                for message in part.messages(EVENT_TOPICS):
+                    at_s = (message.t_ns - self.begin_ns) / NS_PER_S
+                    event = self._event(message, at_s)
+                    if event is not None:
+                        yield event
         except RecordingError as error:
             yield RecordedEvent(at_s, "session", f"no events are known from here on: {error}")
 

@@ -16,7 +16,7 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.requests import Description
 from common.messages.robot import GripperCommand, RobotState, SessionState
 from common.recording.folder import parts_from
-from common.recording.reader import RecordingReader
+from common.recording.reader import RecordingReader, as_recorded
 from common.recording.recorded_episodes import RecordedEpisode, read_episodes
 from local_site.programmed.approach import approach, why_too_far
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
@@ -76,7 +76,7 @@ def _in_words(episode: RecordedEpisode) -> str:
 
 def _states(file: Path, topic: str, begin_ns: int, end_ns: int | None) -> Iterator[RobotState]:
     for part in parts_from(file):
-        with RecordingReader(part) as recording:
+        with RecordingReader(part) as recording, as_recorded(part):
             for message in recording.messages([topic], begin_ns, end_ns):
                 yield decode(message.data, RobotState, STATE.max_bytes)
 

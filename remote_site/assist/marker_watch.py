@@ -1,7 +1,7 @@
 """Keeps what each view has seen of the markers, and judges whether their poses are to be believed; pure."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,7 @@ from common.clock import NS_PER_MS
 from common.geometry import Array, inverse
 from common.messages.requests import ViewCalibration
 from remote_site.assist.config import AssistConfig
-from remote_site.assist.detection import Corners
+from remote_site.assist.detection import Found
 from remote_site.assist.marker_pose import MarkerPose, MarkerView, fit_marker
 from remote_site.assist.sighting import MarkerSighting
 from remote_site.reasons import Code, Reason, reason
@@ -23,11 +23,11 @@ MOST_SIGMA_M, MOST_SIGMA_RAD = 0.002, math.radians(1.0)
 
 
 class _Looked(NamedTuple):
-    """One picture: when it was exposed, the camera's projection then, what is in it."""
+    """A marker in one picture: when it was exposed, the camera's projection then, each place (4, 2) of the marker."""
 
     t_ns: int
     projection: Array
-    found: Corners
+    places: Sequence[Array]
 
 
 class _Refusal(Exception):  # noqa: N818  # a verdict, never seen outside this file
@@ -45,9 +45,10 @@ class MarkerWatch:
         self._sizes = config.marker_sizes_m
         self._levers = {m: [t.marker_T_tool[:3, 3] for t in config.targets if t.marker == m] for m in self._sizes}
         self._views = views
-        self._newest: dict[str, _Looked] = {}
+        self._newest: dict[str, dict[int, _Looked]] = {view: {} for view in views}
+        self._unreached: dict[str, tuple[int, Collection[int]]] = {}
 
-    def take(self, view: str, t_ns: int, found: Corners, base_T_tool: Array | None) -> None:
+    def take(self, view: str, t_ns: int, found: Found, base_T_tool: Array | None) -> None:
         """Take what a view's picture of the time `t_ns` shows; a camera on the tool needs the tool's pose (4 x 4) then.
 
         Views without calibration are ignored.
@@ -56,10 +57,13 @@ class MarkerWatch:
             return
         calibration = self._views[view]
         projection = np.reshape(calibration.projection, (3, 4))
-        if not calibration.on_tool:
-            self._newest[view] = _Looked(t_ns, projection, found)
-        elif base_T_tool is not None:
-            self._newest[view] = _Looked(t_ns, projection @ inverse(base_T_tool), found)
+        if calibration.on_tool:
+            if base_T_tool is None:
+                return
+            projection = projection @ inverse(base_T_tool)
+        self._unreached[view] = t_ns, found.unreached
+        reached = (marker for marker in self._sizes if marker not in found.unreached)
+        self._newest[view] |= {m: _Looked(t_ns, projection, found.corners.get(m, ())) for m in reached}
 
     def sightings(self, now_ns: int) -> list[MarkerSighting]:
         """What is known of each marker now, in the order of the targets that name them."""
@@ -75,17 +79,21 @@ class MarkerWatch:
 
     def _seen(self, marker: int, now_ns: int) -> tuple[list[MarkerView], int]:
         """The views that see the marker in pictures that are fresh, and the oldest exposure of these."""
-        fresh = {name: one for name, one in self._newest.items() if now_ns - one.t_ns <= FRESH_NS}
+        known = {name: seen[marker] for name, seen in self._newest.items() if marker in seen}
+        fresh = {name: one for name, one in known.items() if now_ns - one.t_ns <= FRESH_NS}
+        for name, (t_ns, numbers) in self._unreached.items():
+            if marker in numbers and name not in fresh and now_ns - t_ns <= FRESH_NS:
+                raise _Refusal(reason(Code.MARKER_CROWDED, marker=marker, view=name))
         if not fresh:
-            newest_ns = max((one.t_ns for one in self._newest.values()), default=0)
+            newest_ns = max((one.t_ns for one in known.values()), default=0)
             raise _Refusal(reason(Code.MARKER_STALE, marker=marker, age_ms=(now_ns - newest_ns) / NS_PER_MS))
         for name, one in fresh.items():
-            if len(one.found.get(marker, [])) > 1:
+            if len(one.places) > 1:
                 raise _Refusal(reason(Code.MARKER_DOUBLED, marker=marker, view=name))
         views, times = [], []
         for name, one in fresh.items():
-            if marker in one.found:
-                views.append(MarkerView(name, one.projection, one.found[marker][0]))
+            if one.places:
+                views.append(MarkerView(name, one.projection, one.places[0]))
                 times.append(one.t_ns)
         if not views:
             raise _Refusal(reason(Code.MARKER_UNSEEN, marker=marker))

@@ -230,7 +230,7 @@ def _marker_look(config: RemoteConfig, assist: AssistMemory) -> MarkerLook:
         q = assist.joints_at(t_ns)
         return model.forward(q) if q is not None else None
 
-    return MarkerLook(config.assist, views, tool_at, assist.show_markers)
+    return MarkerLook(config.assist, views, tool_at, assist.show_markers, MonotonicClock())
 
 
 def _metrics(config: RemoteConfig, tally: VideoTally, should_stop: StopFlag, heartbeat: Heartbeat) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 
 from common.cameras.camera import Frame
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, Clock
 from common.geometry import Array
 from common.messages.requests import ViewCalibration
 from remote_site.assist.config import AssistConfig
@@ -12,10 +12,14 @@ from remote_site.assist.marker_watch import MarkerWatch
 from remote_site.assist.sighting import MarkerSighting
 
 LOOK_NS = 160 * NS_PER_MS  # of each view: a look takes some milliseconds that its pictures lack
+BUDGET_NS = 60 * NS_PER_MS  # of a look; what is not reached comes first in the view's next one
 
 
 class MarkerLook:
-    """Finds the markers that targets name in calibrated views; `tool_at` is where the tool was at a time, if known."""
+    """Finds the markers that targets name in calibrated views; `tool_at` is where the tool was at a time, if known.
+
+    By `clock` a look ends in time, whatever is before a camera.
+    """
 
     def __init__(
         self,
@@ -23,11 +27,14 @@ class MarkerLook:
         views: Mapping[str, ViewCalibration],
         tool_at: Callable[[int], Array | None],
         publish: Callable[[Sequence[MarkerSighting]], None],
+        clock: Clock,
     ) -> None:
         self._detector = MarkerDetector(config.family, config.marker_sizes_m)
         self._watch = MarkerWatch(config, views)
         self._views, self._tool_at, self._publish = frozenset(views), tool_at, publish
         self._looked_ns: dict[str, int] = {}
+        self._unreached: dict[str, tuple[int, ...]] = {}
+        self._clock = clock
         self._published_ns = 0
 
     def see(self, view: str, frame: Frame | None, now_ns: int) -> None:
@@ -35,7 +42,10 @@ class MarkerLook:
         is_new = frame is not None and frame.capture_ns - self._looked_ns.get(view, -LOOK_NS) >= LOOK_NS
         if frame is not None and is_new and view in self._views:
             self._looked_ns[view] = frame.capture_ns
-            found = self._detector.find(frame.image)
+            end_ns = self._clock.now_ns() + BUDGET_NS
+            left = self._unreached.get(view, ())
+            found = self._detector.find(frame.image, lambda: self._clock.now_ns() < end_ns, first=left)
+            self._unreached[view] = found.unreached
             self._watch.take(view, frame.capture_ns, found, self._tool_at(frame.capture_ns))
         if now_ns - self._published_ns >= LOOK_NS:
             self._published_ns = now_ns

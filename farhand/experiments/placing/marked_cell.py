@@ -6,7 +6,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from common.cameras.camera import Frame
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, FakeClock
 from common.config import load_config
 from common.messages.requests import ViewCalibration
 from farhand.deployment.shipped import HERE
@@ -37,7 +37,8 @@ class CellMarkers:
             Messages[Sequence[MarkerSighting]](Network(), np.random.default_rng(0), LOOK_TAKES_NS),
         )
         views: dict[str, ViewCalibration] = {c.name: c.calibration for c in site.description.cameras if c.calibration}
-        look = MarkerLook(config.assist, views, lambda _t_ns: site.model.forward(site.robot.q), self._publish)
+        clock = FakeClock()  # a look takes no time of the simulation's
+        look = MarkerLook(config.assist, views, lambda _t_ns: site.model.forward(site.robot.q), self._publish, clock)
         self._look = look if config.assist.targets else None
 
     def see(self, view: str, frame: Frame | None) -> None:

@@ -11,6 +11,7 @@ import simplejpeg
 from numpy.typing import NDArray
 
 from common.errors import ExportError
+from farhand.export.session import MOST_PIXELS
 
 Rgb = NDArray[np.uint8]
 PIXELS = "yuv420p"
@@ -86,7 +87,11 @@ def _move(packet: "av.Packet[av.VideoStream]", pictures: int, fps: int) -> None:
 def decoded(jpeg: bytes, what: str) -> Rgb:
     """The pixels (height, width, 3) of a JPEG, RGB; ExportError for what is none."""
     try:
+        height, width, _, _ = simplejpeg.decode_jpeg_header(jpeg)
+        if height * width > MOST_PIXELS:
+            raise ValueError(f"{width} x {height} pixels, more than any camera gives")
         pixels: Rgb = simplejpeg.decode_jpeg(jpeg)
     except ValueError as error:
-        raise ExportError(f"{what} is no JPEG ({error}); leave this view out: name the others with --view") from error
+        cure = "leave this view out: name the others with --view"
+        raise ExportError(f"{what} cannot be decoded ({error}); {cure}") from error
     return pixels

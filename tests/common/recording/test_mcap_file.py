@@ -12,8 +12,8 @@ from common.errors import RecordingError
 from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.mcap_file import MOST_CHUNK_BYTES, McapFile
 from common.recording.reader import CLOCK_TABLE, EPOCH_KEY, RecordingReader
+from common.recording.records import MAGIC
 from common.recording.repair import repair
-from common.recording.scan import MAGIC
 from common.recording.topics import JSON, MSGPACK, MessageSchema, Topic, protobuf_topic
 
 A = Topic("a", MSGPACK, MessageSchema("farhand.A"), {"unit": "m"})

@@ -5,6 +5,7 @@ from typer.testing import CliRunner
 
 from common.errors import RecordingError
 from common.recording.mcap_file import McapFile
+from common.recording.reader import CLOCK_TABLE, EPOCH_KEY
 from common.recording.repair import repair
 from common.recording.topics import MSGPACK, MessageSchema, Topic
 from farhand.cli import app
@@ -18,6 +19,7 @@ def file(tmp_path):
     """Four seconds, ended in order."""
     path = tmp_path / "run.mcap"
     writer = McapFile(path, "test")
+    writer.describe(CLOCK_TABLE, {EPOCH_KEY: "0"})
     for second in range(4):
         for k in range(50):
             t_ns = second * SECOND_NS + k * SECOND_NS // 50 + 1

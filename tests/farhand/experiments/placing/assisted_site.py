@@ -8,7 +8,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from common.cameras.camera import Frame, Image
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, FakeClock
 from common.config import load_config
 from common.geometry import Array, angle_between, transform
 from common.messages.hand import Intent
@@ -53,7 +53,7 @@ class AssistedSite:
             for c in config.video.cameras
         }
         calibrated = {name: view for name, view in views.items() if view is not None}
-        self._look = MarkerLook(config.assist, calibrated, self._tool_at, self._sightings.extend)
+        self._look = MarkerLook(config.assist, calibrated, self._tool_at, self._sightings.extend, FakeClock())
         self.paint: Callable[[str, Image], None] = lambda _name, _picture: None
         self.toggles = 0
 
