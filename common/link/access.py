@@ -23,6 +23,7 @@ class Serves(StrEnum):
     SITES = "sites"  # who takes part: no viewer
     VIEWERS = "viewers"  # viewers alone
     OWN_SITE = "own_site"  # the site, or router, that it watches on viewers' behalf, with that one's certificate
+    LANE = "lane"  # the remote site alone (`lanes.py`): a router would send copies on by one connection
 
 
 class Grant(NamedTuple):
@@ -107,6 +108,8 @@ def _encounters(own: Identity, operators: Sequence[str], *, routed: bool, serves
         yield Encounter(own, Role.VIEWER, own.role)
     else:
         for neighbour in _neighbours(own, operators, routed=routed):
+            if serves is Serves.LANE and neighbour.role is not Role.REMOTE:
+                continue
             both_route = own.role is Role.ROUTER and neighbour.role is Role.ROUTER
             yield Encounter(neighbour, own.role, Role.VIEWER if both_route else neighbour.role)
 

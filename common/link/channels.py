@@ -237,12 +237,11 @@ PROBE = Channel(
     sent_by=OPERATORS,
     received_by=REMOTES,
     session=ChannelSession.CONTROL,
-    priority=Priority.REAL_TIME,  # as the hand samples, of which it measures the way
+    priority=Priority.REAL_TIME,  # as the hand samples, of which it measures the way, by one connection
     rate_hz=100.0,
     stale_after_ns=NS_PER_S,
     max_bytes=2048,
     depth=64,  # they are counted: a delay on the way must not look like a loss
-    in_lanes=True,
 )
 ECHO = Channel(
     key="farhand/{cell}/echo/{operator}",

@@ -37,15 +37,13 @@ class Mode(StrEnum):
 class SessionEndpoints:
     """Where a session listens and where it connects to; `send_buffer_bytes` None is the system's choice.
 
-    A `lane` (`lanes.py`) lets the session go first that it is beside. TransportError when QUIC is to have a bounded
-    buffer.
+    TransportError when QUIC is to have a bounded buffer.
     """
 
     mode: Mode
     listen: tuple[Endpoint, ...] = ()
     connect: tuple[Endpoint, ...] = ()
     send_buffer_bytes: int | None = None
-    lane: bool = False
 
     def __post_init__(self) -> None:
         for endpoint in (*self.listen, *self.connect):
@@ -76,7 +74,7 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
         "mode": endpoints.mode.value,
         "listen/endpoints": listening,
         "connect/endpoints": connecting,
-        "connect/retry": LANE_RETRY if endpoints.lane else RETRY,
+        "connect/retry": LANE_RETRY if served.serves is Serves.LANE else RETRY,
         "connect/timeout_ms": CLIENT_TIMEOUT_MS if endpoints.mode is Mode.CLIENT else FOR_EVER,
         "connect/exit_on_failure": False,
         "scouting/multicast/enabled": False,
@@ -96,7 +94,7 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
         "downsampling": rate_caps(),
         "qos/network": no_waiting(),
     }
-    if endpoints.lane:
+    if served.serves is Serves.LANE:
         settings |= dict.fromkeys(AT_ONCE, False)
     if (credentials := served.credentials) is not None:
         plain = not all(endpoint.is_secured for endpoint in (*endpoints.listen, *endpoints.connect))

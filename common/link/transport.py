@@ -12,6 +12,7 @@ from typing import Any, Self, TypeVar
 import zenoh
 
 from common.errors import MessageError, RefusedError, TransportError
+from common.link.access import Serves
 from common.link.channels import ANY, Channel, ChannelSession, Keyed, Priority, Procedure
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.credentials import Credentials, load_credentials
@@ -63,9 +64,9 @@ class Link:
         credentials: Credentials | None = None,
         sessions: Collection[ChannelSession] = (),
         tap: MessageTap = untapped,
-        lanes: Sequence[zenoh.Session] = (),
     ) -> None:
-        self._session, self._tap, self._lanes = session, tap, lanes
+        self._session, self._tap = session, tap
+        self._lanes: Sequence[zenoh.Session] = ()
         self._outgoing = outgoing
         self._credentials = credentials
         self._sessions = sessions
@@ -92,6 +93,10 @@ class Link:
         until_s = time.monotonic() + CLOSE_PATIENCE_S
         for each in closing:
             each.join(max(until_s - time.monotonic(), 0.0))
+
+    def take_lanes(self, lanes: Sequence[zenoh.Session]) -> None:
+        """Let publishers that are declared from now on use these, which are closed with the link."""
+        self._lanes = lanes
 
     def publisher(self, channel: Channel[M], cell: str, name: str = ANY, *, operator: str = ANY) -> Publisher[M]:
         """A publisher of a channel in a cell; `name` tells apart channels of one kind, such as cameras."""
@@ -293,19 +298,20 @@ def open_link(
     credentials = _credentials((*listening, *outgoing), security)
     mode = Mode.CLIENT if through_router else Mode.PEER
     endpoints = SessionEndpoints(mode, listening, outgoing, send_buffer_bytes)
-    by_quic = tuple(endpoint for endpoint in outgoing if endpoint.is_quic) if in_lanes else ()
     served = Served(credentials, tuple(operators))
     session = (
         _open_through_router(endpoints, served, should_stop) if through_router else open_session(endpoints, served)
     )
-    lane = SessionEndpoints(mode, connect=by_quic, lane=True)
-    lanes = [open_session(lane, served) for _ in range(LANES)] if by_quic else []
-    link = Link(session, outgoing, credentials, sessions, tap, lanes)
+    link = Link(session, outgoing, credentials, sessions, tap)
     try:
         link.check_connected()
     except RefusedError:
         link.close()
         raise
+    by_quic = tuple(endpoint for endpoint in outgoing if endpoint.is_quic)
+    if in_lanes and by_quic:
+        lane = SessionEndpoints(mode, connect=by_quic), replace(served, serves=Serves.LANE)
+        link.take_lanes([open_session(*lane) for _ in range(LANES)])
     return link
 
 

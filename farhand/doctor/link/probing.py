@@ -57,7 +57,7 @@ def measure_link(
     endpoint: str, security: LinkSecurity, cell: str, operator: str, plan: ProbePlan | None = None
 ) -> LinkFigures:
     """Measure the link at one endpoint; TransportError with the reason where no echo comes, RefusedError as a link."""
-    with open_link(connect=(endpoint,), security=security, in_lanes=True) as link:
+    with open_link(connect=(endpoint,), security=security) as link:
         prober = LinkProber(link, endpoint, cell, operator, MonotonicClock())
         return prober.measure(plan or ProbePlan())
 

@@ -7,8 +7,10 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from common.link.access import Serves, access_control
 from common.link.channels import HAND, STATE
 from common.link.lanes import LANES, REMEMBERED, Copies, LanePublisher
+from common.link.roles import Identity, Role
 from common.link.transport import open_link
 from tests.common.link.secured_cell import ANNA, CELL, HAND_SAMPLE, Cell, running, secured, until
 
@@ -64,6 +66,13 @@ def longest_wait_ms(connections: int, round_trip_ms: int) -> int:
 def test_on_a_long_way_with_losses_samples_wait_on_one_connection_and_never_in_lanes(round_trip_ms: int) -> None:
     assert longest_wait_ms(1, round_trip_ms) > 2 * PERIOD_MS
     assert longest_wait_ms(LANES, round_trip_ms) == 0
+
+
+def test_lanes_lead_to_the_remote_site_alone_since_a_router_would_send_copies_on_by_one_connection() -> None:
+    anna = Identity(Role.OPERATOR, CELL, ANNA)
+    beside, lane = (access_control(anna, (), routed=False, plain=False, serves=s) for s in (Serves.SITES, Serves.LANE))
+    assert {subject["id"] for subject in beside["subjects"]} > {f"router.{CELL}"}
+    assert [subject["id"] for subject in lane["subjects"]] == [f"remote.{CELL}"]
 
 
 def test_lanes_take_turns() -> None:

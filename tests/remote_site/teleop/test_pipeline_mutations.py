@@ -60,7 +60,7 @@ CONDITIONS = [
     ),
     (
         SampleValidator,
-        "_time",
+        "_repeated",
         "sample.seq == self._seq",
         validator(of_validator.test_duplicates_and_older_samples_are_refused),
     ),
@@ -95,8 +95,8 @@ TEXTS = [
     (
         SampleValidator,
         "_time",
-        "sample.capture_ns > self._capture_ns",
-        "True",
+        "sample.capture_ns <= self._capture_ns",
+        "False",
         validator(of_validator.test_duplicates_and_older_samples_are_refused),
     ),
     (
@@ -203,7 +203,9 @@ def a_jump_moves_nothing():
 
 def a_late_sample_is_not_taken():
     loop = engaged()
-    late = hand(5000, loop.clock.now_ns() - 150 * NS_PER_MS)
+    late = hand(5000, loop.newest.sample.capture_ns + NS_PER_MS)
+    while loop.clock.now_ns() < late.capture_ns + 150 * NS_PER_MS:
+        loop.tick()
     loop.tick(late)
     assert loop.snapshot.rejected[Code.STALE] == 1
 
