@@ -27,6 +27,7 @@ class GestureConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 class OpenHand:
     """The opening hand as a gripper toggle: debounced, counted once on the rising edge (thesis 4.2).
 
+    Open is a hand whose fingers are stretched and seen apart: a flat one with its fingers together gives no signal.
     Holds the debounced state, since when the observation differs from it, and the count.
     """
 
@@ -39,13 +40,13 @@ class OpenHand:
 
         An estimate without a wrist did not see the hand: the state stays, and a pending change starts again.
         """
-        t_ns = estimate.t_ns
-        if estimate.wrist is None or estimate.hand_open == self.is_open:
+        t_ns, is_open = estimate.t_ns, estimate.hand_open and not estimate.fingers_together
+        if estimate.wrist is None or is_open == self.is_open:
             return OpenHand(self.is_open, None, self.toggles)
         since = self.differs_since_ns if self.differs_since_ns is not None else t_ns
         if t_ns - since < config.hold_ms * NS_PER_MS:
             return OpenHand(self.is_open, since, self.toggles)
-        return OpenHand(estimate.hand_open, None, self.toggles + int(estimate.hand_open))
+        return OpenHand(is_open, None, self.toggles + int(is_open))
 
 
 class IntentMerge:

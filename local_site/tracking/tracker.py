@@ -92,8 +92,10 @@ class ArmEstimate:
     """The arm at one instant: points (3,) in the operator frame in m, None where they could not be measured.
 
     `covariances` (3, 3) in m² are by the name of the point, for every measured point. `hand_open` is this instant's
-    observation, not yet debounced. `overlays` has an entry for each view. `residual_px` is the rms epipolar residual
-    between views in px, None if nothing was compared; it is also given if it is the reason for a loss.
+    observation, not yet debounced: the fingers are stretched. Those of a flat hand may be `fingers_together`, side by
+    side, which a tracker that sees no fingers leaves out. `overlays` has an entry for each view. `residual_px` is the
+    rms epipolar residual between views in px, None if nothing was compared; it is also given if it is the reason for a
+    loss.
     """
 
     t_ns: int
@@ -106,6 +108,7 @@ class ArmEstimate:
     palm: Array | None = None
     thumb_inferred: bool = False
     hand_open: bool = False
+    fingers_together: bool = False
     overlays: tuple[Overlay, ...] = ()
     covariances: Mapping[str, Array] = field(default_factory=dict)
     residual_px: float | None = None

@@ -27,6 +27,7 @@ class FittedHand:
     index: Tip
     thumb: Tip
     hand_open: bool
+    fingers_together: bool
     landmark_views: int
     outline_views: int
     doubtful: bool = False

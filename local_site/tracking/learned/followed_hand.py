@@ -74,7 +74,7 @@ class FollowedHand:
         known = [] if profile is None else [profile.scale] * REMEMBERED_SCALES
         self._scales: deque[float] = deque(known, REMEMBERED_SCALES)
         self._last: tuple[HandPose, Array, Array] | None = None
-        self._open = False
+        self._open = self._apart = False
         self._mistaken = self._instants = self._turn = 0
         self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
 
@@ -85,7 +85,8 @@ class FollowedHand:
 
     def forget(self) -> None:
         """Start from an unknown pose with the next instant."""
-        self._last, self._open, self._mistaken = None, False, 0
+        self._last, self._mistaken = None, 0
+        self._open = self._apart = False
 
     def track(
         self,
@@ -110,6 +111,7 @@ class FollowedHand:
         self._last = fit.pose, landmarks, points
         self._mistaken = self._mistaken + 1 if fit.cost > MAX_COST else 0
         self._open = self._is_open(fit.pose.posture)
+        self._apart = self._habits.are_apart(fit.pose.posture, self._apart)
         is_unusual = fit.cost > max(UNUSUAL * median(self._costs), UNUSUAL_COST)
         doubtful = is_unusual or is_contradicted(views, points)
         if not (self._open or self._mistaken or doubtful) and most_curled(fit.pose.posture) < MOST_GRIPPER_CURL:
@@ -117,7 +119,7 @@ class FollowedHand:
         index, thumb = find_tips(believed, fit.spheres, (INDEX, THUMB))
         landmark_views = sum(len(view.landmarks) > 0 and not np.isnan(view.landmarks).any() for view in believed)
         outline_views = sum(len(view.pixels) > 0 for view in believed)
-        return FittedHand(fit, index, thumb, self._open, landmark_views, outline_views, doubtful)
+        return FittedHand(fit, index, thumb, self._open, not self._apart, landmark_views, outline_views, doubtful)
 
     def track_outlines(self, views: Sequence[HandView], arm: LimbEvidence) -> FittedHand | None:
         """The hand of views without landmarks, near the last one moved with the arm; None without one near there."""

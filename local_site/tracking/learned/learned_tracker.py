@@ -157,6 +157,7 @@ class LearnedTracker:
             **points,
             thumb_inferred=hand.thumb_inferred,
             hand_open=hand.hand_open and self._operator.is_sure_of_side,
+            fingers_together=hand.fingers_together,
             overlays=overlays,
             covariances=covariances,
             residual_px=arm.residual_px if isinstance(arm, SeenArm) and arm.residual_px else hand_residual_px,

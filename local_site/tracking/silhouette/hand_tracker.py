@@ -46,6 +46,7 @@ class HandEstimate:
     index: Tip
     thumb: Tip
     hand_open: bool
+    fingers_together: bool
 
 
 class HandTracker:
@@ -60,7 +61,7 @@ class HandTracker:
         self._habits = Habits(own)
         self._scale = scale
         self._last: tuple[HandFit, Array] | None = None
-        self._open = False
+        self._open = self._apart = False
         self._turn = np.zeros(3)
         self._searches = self._opinions = 0
         self._costs: deque[float] = deque(maxlen=REMEMBERED_COSTS)
@@ -77,7 +78,8 @@ class HandTracker:
 
     def forget(self) -> None:
         """Start from an unknown pose with the next instant."""
-        self._last, self._turn, self._open = None, np.zeros(3), False
+        self._last, self._turn = None, np.zeros(3)
+        self._open = self._apart = False
 
     def track(self, views: Sequence[HandView], arm: LimbEvidence) -> HandEstimate | None:
         """The hand seen in the views; None if the model cannot explain the outlines."""
@@ -94,8 +96,9 @@ class HandTracker:
         if self._habits.is_closed(fit.pose.posture) or not self.known:
             self._habits.learn_fit(fit)
         self._open = self._habits.is_open(fit.pose.posture, self._open)
+        self._apart = self._habits.are_apart(fit.pose.posture, self._apart)
         index, thumb = find_tips(views, fit.spheres, (INDEX, THUMB))
-        return HandEstimate(fit.pose.wrist, index, thumb, self._open)
+        return HandEstimate(fit.pose.wrist, index, thumb, self._open, fingers_together=not self._apart)
 
     def _fit(self, views: Sequence[HandView], arm: LimbEvidence, person: Person) -> HandFit:
         if self._last is None:

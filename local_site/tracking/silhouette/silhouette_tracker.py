@@ -72,6 +72,7 @@ class SilhouetteTracker:
             **points,
             thumb_inferred=_thumb_inferred(hand),
             hand_open=hand is not None and hand.hand_open,
+            fingers_together=hand is not None and hand.fingers_together,
             overlays=self._finder.overlays(arm, list(points.values())),
             covariances=covariances,
             residual_px=arm.residual_px,

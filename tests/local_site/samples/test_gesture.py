@@ -41,6 +41,17 @@ def test_frames_without_a_hand_say_nothing_and_start_the_wait_again():
     assert run([True] * 10 + [None] * 20).is_open
 
 
+def test_a_flat_hand_with_its_fingers_together_counts_nothing_and_spreading_them_does():
+    state = OpenHand()
+    for k, together in enumerate([True] * 20 + [False] * 20 + [True] * 20):
+        estimate = ArmEstimate(
+            k * FRAME_NS, TrackingStatus.TRACKED, "", wrist=np.zeros(3), hand_open=True, fingers_together=together
+        )
+        state = state.observe(estimate, GestureConfig())
+        assert state.toggles == (0 if k < 20 + 3 else state.toggles)
+    assert (state.toggles, state.is_open) == (1, False)
+
+
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(st.lists(st.sampled_from([True, False, None]), max_size=80))
 def test_the_count_never_falls_and_rises_only_with_an_opening(observations):

@@ -7,11 +7,14 @@ import numpy as np
 from common.geometry import Array
 from local_site.tracking.silhouette.hand_model.fit import HandFit, Prior
 from local_site.tracking.silhouette.hand_model.skeleton import (
+    GAP_BY_SPREAD,
     MCP_CURL,
     PARAMETERS,
     PIP_CURL,
     POSE,
+    SPREAD,
     STATE,
+    TIP_RADIUS,
     TYPICAL_FOREARM,
     HandPose,
     Person,
@@ -25,6 +28,9 @@ OPEN_SIGMA = np.array([0.2, 0.2, 0.05, 0.15, 0.25, 0.25, 0.2, 0.02, 0.02, 0.02])
 STEP_SIGMA = np.array([0.06, 0.06, 0.02, 0.03, 0.05, 0.05, 0.05, 0.004, 0.004, 0.004])
 TURN_SIGMA = 0.5
 OPEN_CURL, STILL_OPEN_CURL, CLOSED_CURL = 0.6, 0.75, 0.85  # fractions of the usual curl
+# A gap between the tips of half a finger's width, which is three pixels where a pixel is 2 mm of the hand.
+APART = TIP_RADIUS / GAP_BY_SPREAD
+STILL_APART = 0.5 * APART
 FRAME_WEIGHT = 0.15
 MEMORY = 0.998
 
@@ -107,6 +113,14 @@ class Habits:
         A hand that was open stays open until the fingers are nearly curled as usual (hysteresis).
         """
         return self._curl(posture) < (STILL_OPEN_CURL if was_open else OPEN_CURL)
+
+    def are_apart(self, posture: Array, were_apart: bool = False) -> bool:
+        """Whether all fingers are seen apart, as an opening hand has to show them (thesis 4.2).
+
+        They lie side by side in the usual hold, a U like a gripper's jaws. From there they have to part until the
+        background shows between each two tips. Fingers that were apart stay so until that gap is half closed.
+        """
+        return float(posture[SPREAD] - self.own.posture[SPREAD]) > (STILL_APART if were_apart else APART)
 
     def is_closed(self, posture: Array) -> bool:
         """Whether the fingers are curled as usual."""

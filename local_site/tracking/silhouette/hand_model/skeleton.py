@@ -33,6 +33,10 @@ _FINGER_RADII = np.array(
 )
 _SPREAD_OF = np.array([0.5, -0.3, -0.9, -1.6])
 _REST_SPREAD = np.array([0.03, 0.0, -0.03, -0.06])
+_FAN = -np.diff(_SPREAD_OF)  # rad that two neighbours turn apart, by rad of spread
+_REACH = np.minimum(_PHALANGES[1:].sum(axis=1), _PHALANGES[:-1].sum(axis=1))  # m, of the shorter of two neighbours
+GAP_BY_SPREAD = float((_FAN * _REACH).min())  # m that the tips part least of all neighbours', by rad of spread
+TIP_RADIUS = float(_FINGER_RADII[:, -1].mean())
 _EXTRA_OF = np.array([0.0, 0.7, 1.0, 1.0])
 _THUMB_BASE = np.array([0.036, 0.022, -0.008])
 _THUMB_LENGTHS = np.array([0.0462, 0.0316, 0.0260])

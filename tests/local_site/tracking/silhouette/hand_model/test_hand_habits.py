@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from local_site.tracking.silhouette.hand_model.habits import (
+    APART,
     GRIPPER,
     GRIPPER_SIGMA,
     HABIT_SIGMA,
@@ -13,7 +14,16 @@ from local_site.tracking.silhouette.hand_model.habits import (
     posture_information,
     prior_information,
 )
-from local_site.tracking.silhouette.hand_model.skeleton import MCP_CURL, PARAMETERS, PIP_CURL, POSE, STATE
+from local_site.tracking.silhouette.hand_model.skeleton import (
+    MCP_CURL,
+    PARAMETERS,
+    PIP_CURL,
+    POSE,
+    SPREAD,
+    STATE,
+    TIP_RADIUS,
+    pose_spheres,
+)
 
 FRAMES = 300
 PERSONS_POSTURE = GRIPPER + 0.8 * GRIPPER_SIGMA * np.array([1, -1, 1, 1, -1, 1, -1, 1, -1, 1])
@@ -102,6 +112,28 @@ def test_open_and_closed_are_told_apart_with_room_between(habits):
     assert habits.is_open(between, was_open=True)
     assert not habits.is_open(closed, was_open=True)
     assert not habits.is_closed(between)
+
+
+@pytest.mark.parametrize("habits", [Habits(), learned(PERSONS_POSTURE, lambda h: h.closed, 10, frames=60)])
+def test_fingers_are_apart_once_a_gap_shows_between_each_two_tips_and_until_it_is_half_closed(habits):
+    usual, opened = habits.own.posture, habits.opened.posture
+    assert not habits.are_apart(usual)
+    assert habits.are_apart(opened)
+    spread = usual.copy()
+    spread[SPREAD] += 0.75 * APART
+    assert not habits.are_apart(spread)
+    assert habits.are_apart(spread, were_apart=True)
+    assert not habits.are_apart(usual, were_apart=True)
+
+
+def test_the_gap_is_half_a_finger_wide_between_the_tips_that_part_least():
+    by_spread = []
+    for spread in (0.0, APART):
+        posture = np.zeros(PARAMETERS)
+        posture[SPREAD] = spread
+        tips = pose_spheres(posture, 1.0, True)[0][3:16:4]
+        by_spread.append(np.linalg.norm(np.diff(tips, axis=0), axis=1))
+    assert (by_spread[1] - by_spread[0]).min() == pytest.approx(TIP_RADIUS, rel=0.35)
 
 
 def test_the_last_posture_holds_the_next_one_near():
