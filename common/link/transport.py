@@ -38,9 +38,7 @@ PENDING_REQUESTS = 16
 CLOSE_PATIENCE_S = 0.4
 ROUTER_PATIENCE_S = 20.0
 ROUTER_POLL_S = 0.2
-STACK_BYTES = (
-    32 << 20
-)  # of each thread of Zenoh: it forgets a neighbour's names chunk by chunk, one call within another
+STACK_BYTES = 32 << 20  # of Zenoh's threads: a neighbour's names are forgotten chunk by chunk, one call within another
 CONTROL = (ChannelSession.CONTROL,)
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,

@@ -76,13 +76,14 @@ class RecordingMemory:
         ProcessError where only another user has one, where root finds those of several, and where another process has
         attached to it.
         """
-        live = [path for path in own_files(place) if is_held(path)]
-        found = (memory for path in live if (memory := cls._attached(path)) is not None)
-        others = owners(place) - {os.geteuid()}
-        if others and (not live if os.geteuid() != ROOT else len(others) > 1):
+        user, live = os.geteuid(), {path: owner for path, owner in own_files(place).items() if is_held(path)}
+        mine = [path for path, owner in live.items() if owner == user]
+        others = set(live.values()) if user == ROOT else owners(place)
+        in_doubt = len(others) > 1 if user == ROOT else others and user not in others
+        if in_doubt and not mine:
             names = " and ".join(map(str, sorted(others)))
             raise ProcessError(f"{place}-* is of user {names}: run the recorder as the user of the remote site")
-        return next(found, None)
+        return next((memory for path in mine or live if (memory := cls._attached(path)) is not None), None)
 
     @classmethod
     def _attached(cls, path: Path) -> Self | None:

@@ -38,15 +38,15 @@ def make_file(place: Path, kind: str = MEMORY) -> tuple[Path, int]:
     return path, handle
 
 
-def own_files(place: Path, kind: str = MEMORY) -> list[Path]:
-    """The files of this user, for root those of all; ProcessError where others may open one of this user's."""
-    user, found = os.geteuid(), []
+def own_files(place: Path, kind: str = MEMORY) -> dict[Path, int]:
+    """The files of this user, for root those of all, with their owners; ProcessError where others may open its own."""
+    user, found = os.geteuid(), dict[Path, int]()
     for path, facts in _files(place, kind):
         is_private = not facts.st_mode & 0o077
         if facts.st_uid == user and not is_private:
             raise ProcessError(f"{path} is not as a site makes it: others may open it; remove it")
         if user in (facts.st_uid, ROOT) and is_private:
-            found.append(path)
+            found[path] = facts.st_uid
     return found
 
 

@@ -215,6 +215,10 @@ def test_root_records_a_users_site_but_guesses_none_of_two(shared: Path) -> None
     os.chown(second, OTHER_USER, OTHER_USER)
     with pytest.raises(ProcessError, match="is of user 4242 and 4343"):
         RecordingMemory.attach(place)
+    own = RecordingMemory.create(place, NOW_NS)
+    attached = RecordingMemory.attach(place)
+    assert attached is not None
+    assert attached.path == own.path
     os.close(handle)
 
 
