@@ -71,7 +71,7 @@ class MarkerDetector:
         """The corners to a pixel or two."""
         rough, places, _ = self._detector.detectMarkers(grey)
         found: Corners = {}
-        for place, four in zip([] if places is None else np.ravel(places), rough, strict=True):
+        for place, four in zip([] if places is None else map(int, np.ravel(places)), rough, strict=True):
             found.setdefault(self._numbers[place], []).append(np.reshape(four, (4, 2)).astype(float))
         return found
 
