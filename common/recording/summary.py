@@ -67,7 +67,7 @@ class FileSummary:
         read = Metadata.read(_stream(content))
         if read.name != name:
             raise ValueError(f"the table {name!r} has another name")
-        return read.metadata
+        return dict(read.metadata)
 
     def document(self, file: IO[bytes], name: str) -> bytes:
         """An attached document; KeyError without it, ValueError where it is damaged."""
@@ -113,6 +113,7 @@ def _summary_begin(file: IO[bytes], size: int) -> int:
     at = size - len(MAGIC) - FOOTER_BYTES
     if at < len(MAGIC):
         raise ValueError("it is too short")
+    begin: int
     begin, _, crc = FOOTER.unpack(record_at(file, Opcode.FOOTER, at, size))
     if file.read(len(MAGIC)) != MAGIC or not len(MAGIC) <= begin < at:
         raise ValueError("its end is missing")

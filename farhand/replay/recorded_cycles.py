@@ -57,7 +57,8 @@ def with_urdf(config: RemoteConfig, urdf: bytes, folder: Path) -> RemoteConfig:
 
     Its meshes stay those of the folder where it was recorded.
     """
-    if config.robot.urdf.is_file() and config.robot.urdf.read_bytes() == urdf:
+    named = config.robot.urdf
+    if named.is_file() and named.stat().st_size == len(urdf) and named.read_bytes() == urdf:
         return config
     written = folder / URDF_FILE
     robot = ElementTree.fromstring(urdf)  # noqa: S314  # as the recorded site read it

@@ -42,8 +42,9 @@ class MarkerDetector:
         parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
         parameters.adaptiveThreshWinSizeMin = parameters.adaptiveThreshWinSizeMax = WINDOW_PX
         parameters.minMarkerPerimeterRate = LEAST_PERIMETER
-        self._detector = cv2.aruco.ArucoDetector(family.dictionary, parameters)
-        self._prints = {marker: family.printed(marker, MODULE_PX) for marker in markers}
+        self._numbers = tuple(markers)
+        self._detector = cv2.aruco.ArucoDetector(family.part(self._numbers), parameters)
+        self._prints = {marker: family.printed(marker, MODULE_PX) for marker in self._numbers}
 
     def find(self, picture: Image, has_time: Callable[[], bool] = lambda: True, first: Sequence[int] = ()) -> Found:
         """The corners of each such marker in the picture, pixels from its upper left corner.
@@ -68,11 +69,10 @@ class MarkerDetector:
 
     def _rough(self, grey: Image) -> Corners:
         """The corners to a pixel or two."""
-        rough, numbers, _ = self._detector.detectMarkers(grey)
+        rough, places, _ = self._detector.detectMarkers(grey)
         found: Corners = {}
-        for number, four in zip([] if numbers is None else map(int, np.ravel(numbers)), rough, strict=True):
-            if number in self._prints:
-                found.setdefault(number, []).append(np.reshape(four, (4, 2)).astype(float))
+        for place, four in zip([] if places is None else map(int, np.ravel(places)), rough, strict=True):
+            found.setdefault(self._numbers[place], []).append(np.reshape(four, (4, 2)).astype(float))
         return found
 
     def _refined(self, grey: Image, number: int, rough: Array) -> Array | None:

@@ -50,8 +50,8 @@ def pairs():
     return cv2.GaussianBlur(picture, (0, 0), 0.6)
 
 
-def paste(picture, number, at, side_px):
-    small = cv2.resize(FAMILY.printed(number, 16, quiet=0), (side_px, side_px), interpolation=cv2.INTER_AREA)
+def paste(picture, number, at, side_px, family=FAMILY):
+    small = cv2.resize(family.printed(number, 16, quiet=0), (side_px, side_px), interpolation=cv2.INTER_AREA)
     picture[at[1] : at[1] + side_px, at[0] : at[0] + side_px] = small
 
 
@@ -83,10 +83,22 @@ def test_a_marker_beside_a_sheet_is_found_as_if_there_were_none(fitted):
     found = MarkerDetector(FAMILY, [TRUE, 9]).find(picture)
     (corners,) = found.corners[TRUE]
     assert np.abs(corners - SQUARE).max() < 0.2
+    assert set(found.corners) == {TRUE, 9}
     assert len(found.corners[9]) > 2
     assert found.unreached == ()
     (area,) = fitted[0]
     assert area < 0.05 * picture.size
+
+
+@pytest.mark.parametrize("family", MarkerFamily)
+def test_no_other_marker_of_a_family_is_taken_for_one_that_is_looked_for(family):
+    """Though the detector knows of no others, and corrects bits."""
+    detector, others = MarkerDetector(family, SIXTEEN), range(16, family.size)
+    for first in range(16, family.size, 96):
+        picture = np.full(SIZE, 255, np.uint8)
+        for k, number in enumerate(others[first - 16 : first + 80]):
+            paste(picture, number, (20 + k % 12 * 76, 20 + k // 12 * 76), LARGE_PX, family)
+        assert detector.find(picture).corners == {}
 
 
 def test_no_more_than_two_of_a_number_are_fitted(fitted):
