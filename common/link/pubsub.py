@@ -123,8 +123,11 @@ class Latest(Generic[M]):
         structlog.get_logger().warning("too many messages", reason=sentence)
 
     def _taken(self) -> tuple[str, bytes] | None:
-        """Key and payload of the oldest message kept, of copies the first; None without one."""
-        while (sample := self._subscriber.try_recv()) is not None:
+        """Key and payload of the oldest message kept, of copies the first; None without one, or for copies alone."""
+        for _ in range(self._channel.depth):  # no more, however fast copies come
+            sample = self._subscriber.try_recv()
+            if sample is None:
+                return None
             payload = sample.payload.to_bytes()
             if not self._is_copy(payload):
                 return str(sample.key_expr), payload

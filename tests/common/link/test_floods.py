@@ -95,9 +95,9 @@ def test_of_samples_that_delay_has_bunched_the_newest_comes(links: list[Link]) -
 def test_one_operators_flood_leaves_room_for_anothers_sample(links: list[Link]) -> None:
     receiver, rude, polite = links
     control, witness = receiver.latest(HAND, CELL), receiver.latest(HAND, CELL)
-    for sender in (rude, polite):
+    for seq, sender in enumerate((rude, polite), start=1):
         publisher = sender.publisher(HAND, CELL, operator="anna")
-        until(lambda: publisher.put(sample(1)) or last_seq(witness))  # noqa: B023  # called here alone
+        until(lambda: publisher.put(sample(seq)) or last_seq(witness) == seq)  # noqa: B023  # called here alone
     until(lambda: control.take() is None)
     polite.publisher(HAND, CELL, operator="anna").put(sample(7))
     until(lambda: last_seq(witness) == 7)

@@ -3,6 +3,7 @@
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 
 import msgspec
 import pytest
@@ -10,8 +11,10 @@ import pytest
 from common.link.access import Serves, access_control
 from common.link.channels import HAND, STATE
 from common.link.lanes import LANES, REMEMBERED, Copies, LanePublisher
+from common.link.pubsub import Latest
 from common.link.roles import Identity, Role
 from common.link.transport import open_link
+from common.messages.codec import encode
 from tests.common.link.secured_cell import ANNA, CELL, HAND_SAMPLE, Cell, running, secured, until
 
 PERIOD_MS, SAMPLE_BYTES = 33, 210
@@ -91,6 +94,29 @@ def test_a_copy_is_known_by_every_byte_and_for_two_seconds() -> None:
     for k in range(REMEMBERED):
         assert not copies.is_copy(b"%d" % k)
     assert not copies.is_copy(b"one")
+
+
+class Flood:
+    """Stands for a subscription to which copies come faster than they are taken."""
+
+    def __init__(self) -> None:
+        self.taken = 0
+        self._sample = SimpleNamespace(key_expr=HAND.key_for(CELL, operator=ANNA), payload=self)
+
+    def to_bytes(self) -> bytes:
+        return encode(HAND_SAMPLE)
+
+    def try_recv(self) -> SimpleNamespace:
+        self.taken += 1
+        return self._sample
+
+
+def test_a_flood_of_copies_keeps_nobody_who_takes_samples() -> None:
+    flood = Flood()
+    hand = Latest(flood, HAND)  # type: ignore[arg-type]  # a stand-in
+    assert hand.take() == HAND_SAMPLE
+    assert hand.take() is None
+    assert flood.taken == 1 + HAND.depth
 
 
 def test_each_sample_counts_once_however_many_connections_bring_it(pki: Path) -> None:

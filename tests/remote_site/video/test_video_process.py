@@ -84,6 +84,18 @@ def run_until(config: VideoConfig, enough) -> list:
     return seen
 
 
+@pytest.mark.parametrize(("listens", "width"), [(True, 32), (False, 16)])
+def test_while_nobody_listens_and_at_first_then_pictures_are_small(tmp_path, listens, width):
+    rng = np.random.default_rng(1)
+    for k in range(5):
+        cv2.imwrite(str(tmp_path / f"{k:03d}.png"), rng.integers(0, 255, (24, 32, 3), dtype=np.uint8))
+    config = VideoConfig(cameras=(CameraConfig(name="side", source=str(tmp_path)),))
+    seen, deadline = [], time.monotonic() + 10
+    wire = VideoWire(seen.append, has_listener=lambda: listens)
+    run_video(config, None, wire, lambda: any(m.data for m in seen) or time.monotonic() > deadline, lambda: None)
+    assert next(m.width for m in seen if m.data) == width
+
+
 def test_a_folder_of_images_stands_in_for_a_camera_and_a_missing_one_is_told(tmp_path):
     rng = np.random.default_rng(1)
     for k in range(5):
