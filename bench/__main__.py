@@ -7,7 +7,7 @@ control    what a control tick costs, from decoding to writing, beside Pink's in
 endurance  an hour of both sites with recorder, viewers and a page: memory, descriptors and threads of each process
 fuzz       a million hostile payloads for the codec: the reasons of the refusals, payloads per second, growth of memory
 monocular  the monocular tracker: error against the number of points per link, and time per frame
-mutants    small changes to the code that decides about motion: how many a test notices
+mutants    small changes to what decides about motion: how many a test notices; goes on from build/mutants.jsonl
 page       the operator's page in Chromium: from glass to glass, on one machine and on split cores, beside a bare page
 recording  a recording of an hour: time to open it, to seek in it, to repair it; bytes a minute as JPEG and H.264
 rendering  time to render a stereo pair of the simulated operator and the views of the cell, and their size as JPEG

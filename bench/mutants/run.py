@@ -1,4 +1,7 @@
-"""Runs the tests on every mutant, each in a process of its own, and lists those that no test notices."""
+"""Runs the tests on every mutant, each in a process of its own, and lists those that no test notices.
+
+What is found is kept in a file: a second start tries only what is not known yet.
+"""
 
 import importlib.abc
 import importlib.machinery
@@ -20,9 +23,11 @@ import pytest
 import ruckig  # noqa: F401  # the same
 
 from bench.mutants.explained import EXPLAINED
+from bench.mutants.known import KnownResults, Result, key_of
 from bench.mutants.operators import Mutant, mutants_of
 from bench.mutants.targets import TARGETS, Target
 
+KNOWN = Path("build") / "mutants.jsonl"
 AT_ONCE = 2
 LONGEST_S = 240.0
 OURS = ("bench", "common", "farhand", "local_site", "remote_site")
@@ -51,12 +56,13 @@ class ChangedModule(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         exec(self._code, module.__dict__)  # noqa: S102  # our own code, with one change
 
 
+Job = tuple[Target, Mutant]
+
+
 def measure() -> dict[str, float]:
     """Run every mutant; the survivors are printed, those without an explanation first."""
-    for tests in dict.fromkeys(target.tests for target in TARGETS):
-        _check_unchanged(tests)
     jobs = [(target, mutant) for target in TARGETS for mutant in _mutants(target)]
-    survivors = [f"{target.path}:{mutant}" for target, mutant in _run(jobs)]
+    survivors = [f"{target.path}:{mutant}" for target, mutant in find_survivors(jobs, KnownResults(KNOWN))]
     unexplained = [each for each in survivors if each not in EXPLAINED]
     for each in unexplained:
         print(f"SURVIVES {each}")
@@ -72,6 +78,18 @@ def measure() -> dict[str, float]:
     }
 
 
+def find_survivors(jobs: list[Job], known: KnownResults) -> list[Job]:
+    """The mutants that no test notices; those that are known already are not run again."""
+    keys = [key_of(*job) for job in jobs]
+    unknown = [job for key, job in zip(keys, jobs, strict=True) if known.survived(key) is None]
+    print(f"{len(jobs) - len(unknown)} of {len(jobs)} mutants are known from {KNOWN}", flush=True)
+    for tests in dict.fromkeys(target.tests for target, _ in unknown):
+        _check_unchanged(tests)
+    for (target, mutant), survived in _run(unknown):
+        known.note(Result(key_of(target, mutant), f"{target.path}:{mutant}", survived))
+    return [job for key, job in zip(keys, jobs, strict=True) if known.survived(key)]
+
+
 def _mutants(target: Target) -> list[Mutant]:
     return mutants_of(target.path.read_text(encoding="utf-8"), target.mutants)
 
@@ -84,8 +102,8 @@ def _check_unchanged(tests: tuple[Path, ...]) -> None:
         sys.exit(f"these tests fail without any change: {' '.join(map(str, tests))}")
 
 
-def _run(jobs: list[tuple[Target, Mutant]]) -> Iterator[tuple[Target, Mutant]]:
-    """The mutants whose tests pass."""
+def _run(jobs: list[Job]) -> Iterator[tuple[Job, bool]]:
+    """Every mutant once its tests have ended, and whether they passed."""
     waiting, running = list(reversed(jobs)), dict[BaseProcess, tuple[Target, Mutant, float]]()
     while waiting or running:
         while waiting and len(running) < AT_ONCE:
@@ -98,8 +116,7 @@ def _run(jobs: list[tuple[Target, Mutant]]) -> Iterator[tuple[Target, Mutant]]:
                 process.kill()  # it never ends: noticed
             if not process.is_alive():
                 del running[process]
-                if process.exitcode == PASSED:
-                    yield target, mutant
+                yield (target, mutant), process.exitcode == PASSED
 
 
 def _start(main: Callable[[], int]) -> BaseProcess:

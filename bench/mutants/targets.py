@@ -3,28 +3,9 @@
 from pathlib import Path
 from typing import NamedTuple
 
-REMOTE, TESTS = Path("remote_site"), Path("tests/remote_site")
-SESSION = (TESTS / "session",)
-TELEOP = TESTS / "teleop"
-VALIDATION = tuple(
-    TELEOP / f"test_{name}.py" for name in ("sample_validator", "certainty", "turn_certainty", "orientation_gate")
-)
-TURNS = tuple(TELEOP / f"test_{name}.py" for name in ("followed_orientation", "turning_target"))
-MAPPING = tuple(
-    TELEOP / f"test_{name}.py"
-    for name in ("mapping", "clutch", "tool_target", "turning_target", "short_hold", "humanoid")
-)
-PIPELINE = (
-    *(
-        TELEOP / f"test_{name}.py"
-        for name in ("pipeline", "lease_in_pipeline", "gripper_toggles", "gripper_baseline", "clutch", "replay")
-    ),
-    TESTS / "test_surviving_changes.py",
-)
-PAGE = (TESTS / "session" / "test_operator_page.py", TELEOP / "test_operator_settings.py")
-SUPERVISOR = (TESTS / "drivers" / "supervisor",)
-GUARD = (TESTS / "safety", TESTS / "test_surviving_changes.py")
-SEAT = (Path("tests/local_site/console"),)
+REMOTE, LOCAL, MAPPED = Path("remote_site"), Path("local_site"), Path("common/mapping")
+TESTS, LOCAL_TESTS = Path("tests/remote_site"), Path("tests/local_site")
+TELEOP, MOTION = TESTS / "teleop", TESTS / "motion"
 
 
 class Target(NamedTuple):
@@ -35,34 +16,131 @@ class Target(NamedTuple):
     tests: tuple[Path, ...]
 
 
+def _tests(folder: Path, *names: str) -> tuple[Path, ...]:
+    return tuple(folder / f"test_{name}.py" for name in names)
+
+
+SURVIVING = TESTS / "test_surviving_changes.py"
+SESSION = (TESTS / "session",)
+LINK = (*_tests(TESTS / "session", "hand_link", "age_limit", "hold", "longest_hold"), TELEOP / "test_far_link.py")
+PAGE = (TESTS / "session" / "test_operator_page.py", TELEOP / "test_operator_settings.py")
+VALIDATION = _tests(TELEOP, "sample_validator", "certainty", "turn_certainty", "orientation_gate")
+TURNS = _tests(TELEOP, "followed_orientation", "turning_target")
+MAPPING = _tests(TELEOP, "mapping", "clutch", "tool_target", "turning_target", "short_hold", "humanoid")
+PIPELINE = (
+    *_tests(TELEOP, "pipeline", "lease_in_pipeline", "gripper_toggles", "gripper_baseline", "clutch", "replay"),
+    SURVIVING,
+)
+FOLLOWING = (MOTION, *_tests(TELEOP, "catch_up", "quick_aims", "slowed_arm", "other_arms"), SURVIVING)
+KINEMATICS = (TESTS / "kinematics", *_tests(TELEOP, "slowed_arm", "other_arms"))
+GUARD = (TESTS / "safety", MOTION / "test_planner.py", SURVIVING)
+SUPERVISOR = (TESTS / "drivers" / "supervisor",)
+POSITION_ARM = (TESTS / "drivers" / "position_arm",)
+SETPOINTS = _tests(TESTS / "drivers" / "franka", "setpoint_filter", "robot_limits", "franka_driver")
+ASSIST = (TESTS / "assist",)
+SAMPLES = (LOCAL_TESTS / "samples",)
+SEAT = (LOCAL_TESTS / "console",)
+PROGRAMMED = (LOCAL_TESTS / "programmed", Path("tests/farhand/replay/test_path_run.py"))
+AUTHORITY = (LOCAL_TESTS / "authority",)
+
+
+def _targets(folder: Path, tests: tuple[Path, ...], **mutants: int) -> tuple[Target, ...]:
+    return tuple(Target(folder / f"{name}.py", count, tests) for name, count in mutants.items())
+
+
 TARGETS = (
-    Target(REMOTE / "session" / "state_machine.py", 24, SESSION),
-    Target(REMOTE / "session" / "engagement_intent.py", 8, SESSION),
-    Target(REMOTE / "session" / "hand_signal.py", 8, SESSION),
-    Target(REMOTE / "session" / "requests.py", 6, SESSION),
-    Target(REMOTE / "session" / "fault_latch.py", 6, SESSION),
-    Target(REMOTE / "session" / "lease.py", 12, SESSION),
-    Target(REMOTE / "session" / "operator_page.py", 6, PAGE),
-    Target(REMOTE / "teleop" / "sample_validator.py", 14, VALIDATION),
-    Target(REMOTE / "teleop" / "certainty.py", 5, VALIDATION),
-    Target(REMOTE / "teleop" / "turn_certainty.py", 6, VALIDATION),
-    Target(REMOTE / "teleop" / "orientation_gate.py", 4, VALIDATION),
-    Target(REMOTE / "teleop" / "followed_orientation.py", 10, TURNS),
-    Target(Path("common/mapping/relative_mapping.py"), 8, MAPPING),
-    Target(Path("common/mapping/rotation_mapping.py"), 4, MAPPING),
-    Target(REMOTE / "teleop" / "tool_target.py", 4, MAPPING),
-    Target(REMOTE / "teleop" / "gripper_toggles.py", 6, PIPELINE),
-    Target(REMOTE / "teleop" / "sample_receiver.py", 3, PIPELINE),
-    Target(REMOTE / "teleop" / "pipeline.py", 10, PIPELINE),
-    Target(REMOTE / "drivers" / "supervisor" / "supervisor.py", 14, SUPERVISOR),
-    Target(REMOTE / "drivers" / "supervisor" / "commanded_motion.py", 5, SUPERVISOR),
-    Target(REMOTE / "drivers" / "supervisor" / "write_scheduler.py", 6, SUPERVISOR),
-    Target(REMOTE / "drivers" / "supervisor" / "writer.py", 8, SUPERVISOR),
-    Target(REMOTE / "drivers" / "supervisor" / "stop_plan.py", 4, SUPERVISOR),
-    Target(REMOTE / "drivers" / "supervisor" / "reading_check.py", 10, SUPERVISOR),
-    Target(REMOTE / "drivers" / "supervisor" / "following_check.py", 6, SUPERVISOR),
-    Target(REMOTE / "safety" / "guard.py", 10, GUARD),
-    Target(REMOTE / "safety" / "clearance.py", 6, GUARD),
-    Target(REMOTE / "safety" / "stopping.py", 8, GUARD),
-    Target(Path("local_site/console/model/seat.py"), 8, SEAT),
+    *_targets(
+        REMOTE / "session",
+        SESSION,
+        state_machine=24,
+        engagement_intent=8,
+        hand_signal=8,
+        requests=6,
+        fault_latch=6,
+        lease=12,
+        hold=6,
+    ),
+    *_targets(REMOTE / "session", LINK, age_limit=8, hand_link_meter=8, hand_link_verdict=6, link_ages=6),
+    *_targets(REMOTE / "session", PAGE, operator_page=6),
+    *_targets(REMOTE / "teleop", VALIDATION, sample_validator=14, certainty=5, turn_certainty=6, orientation_gate=4),
+    *_targets(REMOTE / "teleop", TURNS, followed_orientation=10),
+    *_targets(MAPPED, MAPPING, relative_mapping=8, rotation_mapping=4),
+    *_targets(REMOTE / "teleop", MAPPING, tool_target=12, hold_offset=6, mapping=4),
+    *_targets(REMOTE / "teleop", PIPELINE, gripper_toggles=6, sample_receiver=3, pipeline=10),
+    *_targets(
+        REMOTE / "motion",
+        FOLLOWING,
+        catch_up=6,
+        estimator=8,
+        gains=6,
+        haste=4,
+        jerk_limited=8,
+        moving_frame=8,
+        planner=8,
+        target_predictor=14,
+        target_tracker=8,
+    ),
+    *_targets(
+        REMOTE / "kinematics",
+        KINEMATICS,
+        limits=10,
+        dexterity=5,
+        inverse=12,
+        paced_inverse=6,
+        differential=10,
+        swivel=6,
+        upright_arm=8,
+    ),
+    *_targets(
+        REMOTE / "safety",
+        GUARD,
+        guard=10,
+        clearance=8,
+        stopping=8,
+        collision=8,
+        collision_avoidance=10,
+        workspace_box=4,
+        stop_bound=4,
+        stop_figures=4,
+        silence=3,
+    ),
+    *_targets(
+        REMOTE / "drivers" / "supervisor",
+        SUPERVISOR,
+        supervisor=14,
+        commanded_motion=5,
+        write_scheduler=6,
+        writer=10,
+        stop_plan=4,
+        reading_check=10,
+        following_check=6,
+        grip=6,
+        orders=4,
+        watched_driver=6,
+    ),
+    *_targets(
+        REMOTE / "drivers" / "position_arm",
+        POSITION_ARM,
+        driver=10,
+        calls=8,
+        threaded_calls=8,
+        readings=4,
+        speed=3,
+        written_stop=4,
+    ),
+    *_targets(REMOTE / "drivers" / "franka", SETPOINTS, setpoint_filter=6),
+    *_targets(
+        REMOTE / "assist",
+        ASSIST,
+        assist=12,
+        held_key=5,
+        leading=5,
+        marker_watch=8,
+        progress=3,
+        standing_marker=6,
+    ),
+    *_targets(LOCAL / "samples", SAMPLES, hand_sample=10, smoothing=10),
+    *_targets(LOCAL / "console" / "model", SEAT, seat=8),
+    *_targets(LOCAL / "programmed", PROGRAMMED, path_run=10, path_progress=8, led_hand=5, approach=3),
+    *_targets(LOCAL / "authority", AUTHORITY, lease_policy=6),
 )

@@ -1,0 +1,65 @@
+"""A hand that goes out to full reach and back: slowly the tool keeps to the line, and it ends where it should."""
+
+import math
+
+import numpy as np
+import pytest
+
+from common.geometry import Array
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.config import RobotConfig
+from remote_site.kinematics.upright_arm import UprightArm
+from remote_site.safety.config import CollisionConfig, SafetyConfig
+from tests.remote_site.arms_followed import Followed, HandMotion, smooth
+from tests.remote_site.remote_loop import arm, assert_within_limits
+
+WIDE = SafetyConfig(workspace_min_m=(-2.0,) * 3, workspace_max_m=(2.0,) * 3, collision=CollisionConfig(fixtures=()))
+CONFIG = RemoteConfig(robot=RobotConfig(start_deg=(0.0, -40.0, -50.0, 0.0, -45.0, 0.0)), safety=WIDE)
+BEFORE_S, WAIT_S = 0.3, 0.5
+
+
+def to_full_reach(short_of_m: float) -> Array:
+    """The wrist's way (3,) in m in the base's axes from the start straight out, that much short of a straight elbow."""
+    model, _ = arm(CONFIG)
+    upright = UprightArm.from_model(model)
+    target = upright.target(model.forward(CONFIG.robot.start))
+    assert target is not None
+    x, y, z = upright.centre(target)
+    reach = np.array([x, y, z - upright.shoulder_height])
+    way: Array = reach * ((upright.upper_arm + upright.forearm - short_of_m) / np.linalg.norm(reach) - 1.0)
+    return way
+
+
+def out_and_back(way: Array, seconds: float) -> HandMotion:
+    """A hand along a way in the base's axes, that takes so long for it."""
+    in_operator = np.array(CONFIG.mapping.base_R_operator).T @ way
+
+    def motion(t: float) -> tuple[Array, Array]:
+        part = smooth((t - BEFORE_S) / seconds) - smooth((t - BEFORE_S - seconds - WAIT_S) / seconds)
+        return part * in_operator, np.zeros(3)
+
+    return motion
+
+
+def off_the_line(followed: Followed, way: Array) -> Array:
+    """The tool's distance (n,) in m from the line between both ends."""
+    moved = followed.tools[:, :3, 3] - followed.start[:3, 3]
+    along = np.clip(moved @ way / (way @ way), 0.0, 1.0)
+    off: Array = np.linalg.norm(moved - along[:, None] * way, axis=1)
+    return off
+
+
+@pytest.mark.parametrize("short_of_m", [0.0002, 0.003, 0.03])
+def test_a_slow_hand_is_followed_on_its_line_out_to_the_stretched_elbow(short_of_m: float) -> None:
+    way = to_full_reach(short_of_m)
+    followed = Followed(CONFIG, out_and_back(way, 1.2), 4.5)
+    assert off_the_line(followed, way).max() < 0.005
+    assert math.dist(followed.tools[-1, :3, 3], followed.start[:3, 3]) < 0.0005
+
+
+@pytest.mark.parametrize("seconds", [0.4, 0.7])
+def test_a_hand_too_fast_for_the_joints_ends_nowhere_else(seconds: float) -> None:
+    followed = Followed(CONFIG, out_and_back(to_full_reach(0.0002), seconds), 4.0)
+    assert math.dist(followed.tools[-1, :3, 3], followed.start[:3, 3]) < 0.0005
+    assert followed.loop.refusals == 0
+    assert_within_limits(followed.loop)
