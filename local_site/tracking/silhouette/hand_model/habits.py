@@ -117,10 +117,12 @@ class Habits:
     def are_apart(self, posture: Array, were_apart: bool = False) -> bool:
         """Whether all fingers are seen apart, as an opening hand has to show them (thesis 4.2).
 
-        They lie side by side in the usual hold, a U like a gripper's jaws. From there they have to part until the
-        background shows between each two tips. Fingers that were apart stay so until that gap is half closed.
+        They lie side by side in the usual hold, a U like a gripper's jaws; of an operator who fans them there, as in an
+        average one. From there they have to part until the background shows between each two tips. Fingers that were
+        apart stay so until that gap is half closed.
         """
-        return float(posture[SPREAD] - self.own.posture[SPREAD]) > (STILL_APART if were_apart else APART)
+        together = min(float(self.own.posture[SPREAD]), float(GRIPPER[SPREAD]))
+        return float(posture[SPREAD]) - together > (STILL_APART if were_apart else APART)
 
     def is_closed(self, posture: Array) -> bool:
         """Whether the fingers are curled as usual."""
