@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import msgspec
 import zenoh
 
 import tests.common.messages.golden_examples as golden
@@ -21,6 +22,7 @@ from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.link.transport import Link, open_link
 from common.messages.codec import encode
+from common.messages.hand import HandArm
 from common.messages.requests import ClockAnswer, EngagementAction, EngagementRequest, Reply, StopRequest
 from farhand.certificates.issuing import Issued
 
@@ -58,6 +60,14 @@ def free_port() -> int:
             probe.bind(("127.0.0.1", port))
             return port
     raise AssertionError("no port is free")
+
+
+_SEQS = itertools.count()
+
+
+def another_sample() -> HandArm:
+    """A hand sample that is no copy of one before."""
+    return msgspec.structs.replace(HAND_SAMPLE, seq=next(_SEQS))
 
 
 def until(is_so: Callable[[], object]) -> None:
@@ -172,7 +182,7 @@ def names_heard(session: zenoh.Session, cell: Cell) -> set[str]:
     before = Counter(cell.heard)
     hands = [HAND.key_for(CELL, operator=name) for name in OPERATORS]
     for key in (*hands, HAND.key_for(CELL), f"farhand/{CELL}/*", f"farhand/{CELL}/**"):
-        session.put(key, encode(HAND_SAMPLE))
+        session.put(key, encode(another_sample()))
         session.delete(key)
     anything = f"farhand/{CELL}/rpc/**"
     engagements = [ENGAGEMENT.key_for(CELL, operator=name) for name in (*OPERATORS, ANY)]

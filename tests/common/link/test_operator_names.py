@@ -18,10 +18,10 @@ from tests.common.link.secured_cell import (
     ANNA,
     BEN,
     CELL,
-    HAND_SAMPLE,
     OPERATORS,
     QUIET_S,
     Cell,
+    another_sample,
     dishonest,
     free_port,
     names_heard,
@@ -68,7 +68,7 @@ def behind_router(pki: Path, protocol: str, listed: tuple[str, ...]) -> Iterator
 def test_an_operator_is_heard_under_the_own_name_and_no_other(pki: Path, anywhere: Cell, name: str, mode: str) -> None:
     with dishonest(anywhere.endpoint, pki, f"operator.{name}", mode=mode) as session:
         key, before = HAND.key_for(CELL, operator=name), anywhere.heard[name]
-        until(lambda: session.put(key, encode(HAND_SAMPLE)) or anywhere.heard[name] > before)
+        until(lambda: session.put(key, encode(another_sample())) or anywhere.heard[name] > before)
         heard = set[str]()
         until(lambda: heard.update(names_heard(session, anywhere)) or heard)
         assert heard == {name}
@@ -84,7 +84,7 @@ def test_an_operator_who_listens_to_everything_hears_no_other(pki: Path, anywher
         for key in ("**", HAND.key_for(CELL), HAND.key_for(CELL, operator=ANNA)):
             ben.declare_subscriber(key, lambda sample: heard.add(str(sample.key_expr)))
         hand, before = anna.publisher(HAND, CELL, operator=ANNA), cell.hands
-        until(lambda: hand.put(HAND_SAMPLE) or cell.hands > before + 10)
+        until(lambda: hand.put(another_sample()) or cell.hands > before + 10)
         time.sleep(QUIET_S)
         assert heard <= {STATE.key_for(CELL)}
 
