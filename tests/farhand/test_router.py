@@ -27,11 +27,11 @@ from farhand.router import RouterConfig, zenohd_configuration
 from tests.common.link.secured_cell import (
     ANNA,
     CELL,
-    HAND_SAMPLE,
     OPERATORS,
     QUIET_S,
     ROBOT_STATE,
     Cell,
+    another_sample,
     commands_arrive,
     dishonest,
     free_port,
@@ -90,7 +90,7 @@ def test_sites_meet_and_meet_again_after_the_router_was_restarted(meeting: Meeti
         for _ in range(2):
             before = meeting.cell.hands
             until(state.take)
-            until(lambda: hand.put(HAND_SAMPLE) or meeting.cell.hands > before)  # noqa: B023  # called here alone
+            until(lambda: hand.put(another_sample()) or meeting.cell.hands > before)  # noqa: B023  # called here alone
             assert reply_to(operator, EngagementAction.ENGAGE).done
             meeting.router.close()
             while state.take() is not None:
@@ -163,7 +163,7 @@ def test_viewers_watch_at_the_router_and_hear_no_hand(meeting: Meeting) -> None:
         for key in ("**", HAND.key_for(CELL, operator=ANNA)):
             curious.declare_subscriber(key, lambda sample: heard.add(str(sample.key_expr)))
         hand, before = operator.publisher(HAND, CELL, operator=ANNA), meeting.cell.hands
-        until(lambda: hand.put(HAND_SAMPLE) or meeting.cell.hands > before + 10)
+        until(lambda: hand.put(another_sample()) or meeting.cell.hands > before + 10)
         time.sleep(QUIET_S)
         assert heard <= {STATE.key_for(CELL)}
 

@@ -97,7 +97,7 @@ ROWS = (
     Row("partition 1 s", "LATCH, no backlog, path back under 2 s", partition(1.0)),
     Row("partition 10 s", "LATCH, no backlog, path back under 2 s", partition(10.0)),
     Row("reordered, duplicated, late packets", "the arm follows", blink(impair(delay_ms=15, jitter_ms=15, reorders=True, doubled=0.3), impair(), 10.0)),
-    Row("duplicated, overtaken, late samples", "dropped", unmoved(lambda pair: old_ones(pair, 1.0), "stale")),
+    Row("duplicated, overtaken, late samples", "dropped", unmoved(lambda pair: old_ones(pair, 1.0), "old")),
     Row("wall clock + 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(3600), lambda _: None, 1.0)),
     Row("wall clock - 1 h", "nothing changes", blink(lambda pair: pair.step_wall_clock(-3600), lambda pair: pair.step_wall_clock(0), 1.0)),
     Row("malformed, oversized, hostile payloads", "dropped by the link or rejected and counted, no crash", unmoved(lambda pair: hostile_ones(pair, 1.0), "malformed", "invalid")),
