@@ -29,7 +29,7 @@ from bench.mutants.targets import TARGETS, Target
 
 KNOWN = Path("build") / "mutants.jsonl"
 AT_ONCE = 2
-LONGEST_S = 240.0
+LONGEST_S, TIMES = 240.0, 4.0  # a mutant whose tests take longer than both, the latter beside no mutant, never ends
 OURS = ("bench", "common", "farhand", "local_site", "remote_site")
 POLL_S = 0.05
 PASSED = 0
@@ -82,10 +82,9 @@ def find_survivors(jobs: list[Job], known: KnownResults) -> list[Job]:
     """The mutants that no test notices; those that are known already are not run again."""
     keys = [key_of(*job) for job in jobs]
     unknown = [job for key, job in zip(keys, jobs, strict=True) if known.survived(key) is None]
-    print(f"{len(jobs) - len(unknown)} of {len(jobs)} mutants are known from {KNOWN}", flush=True)
-    for tests in dict.fromkeys(target.tests for target, _ in unknown):
-        _check_unchanged(tests)
-    for (target, mutant), survived in _run(unknown):
+    print(f"{len(jobs) - len(unknown)} of {len(jobs)} mutants are known from a run before", flush=True)
+    usual_s = {tests: _time_unchanged(tests) for tests in dict.fromkeys(target.tests for target, _ in unknown)}
+    for (target, mutant), survived in _run(unknown, usual_s):
         known.note(Result(key_of(target, mutant), f"{target.path}:{mutant}", survived))
     return [job for key, job in zip(keys, jobs, strict=True) if known.survived(key)]
 
@@ -94,16 +93,18 @@ def _mutants(target: Target) -> list[Mutant]:
     return mutants_of(target.path.read_text(encoding="utf-8"), target.mutants)
 
 
-def _check_unchanged(tests: tuple[Path, ...]) -> None:
-    """Stop where the tests fail without any change: then they would notice every mutant."""
+def _time_unchanged(tests: tuple[Path, ...]) -> float:
+    """How long the tests take in s; the end where they fail without any change, as they would notice every mutant."""
+    begun = time.monotonic()
     process = _start(partial(_tested, tests))
     process.join()
     if process.exitcode != PASSED:
         sys.exit(f"these tests fail without any change: {' '.join(map(str, tests))}")
+    return time.monotonic() - begun
 
 
-def _run(jobs: list[Job]) -> Iterator[tuple[Job, bool]]:
-    """Every mutant once its tests have ended, and whether they passed."""
+def _run(jobs: list[Job], usual_s: dict[tuple[Path, ...], float]) -> Iterator[tuple[Job, bool]]:
+    """Every mutant once its tests have ended, and whether they passed; `usual_s` is how long they take otherwise."""
     waiting, running = list(reversed(jobs)), dict[BaseProcess, tuple[Target, Mutant, float]]()
     while waiting or running:
         while waiting and len(running) < AT_ONCE:
@@ -112,7 +113,7 @@ def _run(jobs: list[Job]) -> Iterator[tuple[Job, bool]]:
             running[process] = target, mutant, time.monotonic()
         time.sleep(POLL_S)
         for process, (target, mutant, begun) in list(running.items()):
-            if process.is_alive() and time.monotonic() - begun > LONGEST_S:
+            if process.is_alive() and time.monotonic() - begun > max(LONGEST_S, TIMES * usual_s[target.tests]):
                 process.kill()  # it never ends: noticed
             if not process.is_alive():
                 del running[process]

@@ -33,6 +33,11 @@ PIPELINE = (
 )
 FOLLOWING = (MOTION, *_tests(TELEOP, "catch_up", "quick_aims", "slowed_arm", "other_arms"), SURVIVING)
 KINEMATICS = (TESTS / "kinematics", *_tests(TELEOP, "slowed_arm", "other_arms"))
+STOPS = (
+    *_tests(TESTS / "safety", "stop_figures", "stopping"),
+    TESTS / "kinematics" / "test_limits_factor.py",
+    TESTS / "runtime" / "test_checks.py",
+)
 GUARD = (TESTS / "safety", MOTION / "test_planner.py", SURVIVING)
 SUPERVISOR = (TESTS / "drivers" / "supervisor",)
 POSITION_ARM = (TESTS / "drivers" / "position_arm",)
@@ -40,7 +45,7 @@ SETPOINTS = _tests(TESTS / "drivers" / "franka", "setpoint_filter", "robot_limit
 ASSIST = (TESTS / "assist",)
 SAMPLES = (LOCAL_TESTS / "samples",)
 SEAT = (LOCAL_TESTS / "console",)
-PROGRAMMED = (LOCAL_TESTS / "programmed", Path("tests/farhand/replay/test_path_run.py"))
+PROGRAMMED = (LOCAL_TESTS / "programmed", *_tests(Path("tests/farhand/replay"), "recorded_tool_path", "path_run"))
 AUTHORITY = (LOCAL_TESTS / "authority",)
 
 
@@ -100,10 +105,9 @@ TARGETS = (
         collision=8,
         collision_avoidance=10,
         workspace_box=4,
-        stop_bound=4,
-        stop_figures=4,
         silence=3,
     ),
+    *_targets(REMOTE / "safety", STOPS, stop_bound=4, stop_figures=4),
     *_targets(
         REMOTE / "drivers" / "supervisor",
         SUPERVISOR,

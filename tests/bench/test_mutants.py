@@ -53,7 +53,7 @@ def stand_in(monkeypatch: pytest.MonkeyPatch, most: int) -> list[Job]:
     """Mutants that are not really run, and of which each second one survives; the run is ended after `most`."""
     tried: list[Job] = []
 
-    def run_them(jobs: list[Job]) -> Iterator[tuple[Job, bool]]:
+    def run_them(jobs: list[Job], _usual_s: object) -> Iterator[tuple[Job, bool]]:
         for job in jobs:
             if len(tried) == most:
                 raise KeyboardInterrupt
@@ -61,7 +61,7 @@ def stand_in(monkeypatch: pytest.MonkeyPatch, most: int) -> list[Job]:
             yield job, len(tried) % 2 == 0
 
     monkeypatch.setattr(run, "_run", run_them)
-    monkeypatch.setattr(run, "_check_unchanged", lambda _tests: None)
+    monkeypatch.setattr(run, "_time_unchanged", lambda _tests: 0.0)
     known._digest.cache_clear()
     return tried
 
