@@ -51,7 +51,7 @@ def run(minutes: float) -> dict[str, float]:
         stage = stack.enter_context(WanStage(source, watched=True))
         stage.network.impair(**LINK)
         stage.record(recordings)
-        watch = Watch(stage)
+        watch = UsageWatch(stage)
         until_s = time.monotonic() + SETTLES_S + 60.0 * minutes
         rounds = engaged = 0
         while time.monotonic() < until_s:
@@ -60,7 +60,7 @@ def run(minutes: float) -> dict[str, float]:
         return watch.figures() | {"rounds": float(rounds), "engaged": float(engaged)}
 
 
-def _round(stage: WanStage, watch: "Watch") -> bool:
+def _round(stage: WanStage, watch: "UsageWatch") -> bool:
     """A minute with a page and viewers, engaged; whether it engaged."""
     files = stage.open_page("page")
     with ExitStack() as stack:
@@ -85,7 +85,7 @@ def _round(stage: WanStage, watch: "Watch") -> bool:
     return engaged
 
 
-class Watch:
+class UsageWatch:
     """What every process of the sites held, every few seconds since the start, but for the time in which it settles."""
 
     def __init__(self, stage: WanStage) -> None:

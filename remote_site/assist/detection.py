@@ -24,7 +24,7 @@ ROOM, ROOM_PX = 0.4, 8  # around what is cut out for it: two modules, and how fa
 Corners = dict[int, list[Array]]
 
 
-class Found(NamedTuple):
+class FoundMarkers(NamedTuple):
     """By number, the corners (4, 2) of each marker in a picture; `unreached` numbers may be there, and be anywhere."""
 
     corners: Corners
@@ -46,7 +46,9 @@ class MarkerDetector:
         self._detector = cv2.aruco.ArucoDetector(family.part(self._numbers), parameters)
         self._prints = {marker: family.printed(marker, MODULE_PX) for marker in self._numbers}
 
-    def find(self, picture: Image, has_time: Callable[[], bool] = lambda: True, first: Sequence[int] = ()) -> Found:
+    def find(
+        self, picture: Image, has_time: Callable[[], bool] = lambda: True, first: Sequence[int] = ()
+    ) -> FoundMarkers:
         """The corners of each such marker in the picture, pixels from its upper left corner.
 
         They run clockwise from the marker's own upper left. A number that is there twice has two entries; of one that
@@ -65,7 +67,7 @@ class MarkerDetector:
                 unreached.append(number)
             elif exact := [four for place in places if (four := self._refined(grey, number, place)) is not None]:
                 corners[number] = exact
-        return Found(corners, tuple(unreached))
+        return FoundMarkers(corners, tuple(unreached))
 
     def _rough(self, grey: Image) -> Corners:
         """The corners to a pixel or two."""

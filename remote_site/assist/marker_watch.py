@@ -10,7 +10,7 @@ from common.clock import NS_PER_MS
 from common.geometry import Array, inverse
 from common.messages.requests import ViewCalibration
 from remote_site.assist.config import AssistConfig
-from remote_site.assist.detection import Found
+from remote_site.assist.detection import FoundMarkers
 from remote_site.assist.marker_pose import MarkerPose, MarkerView, fit_marker
 from remote_site.assist.sighting import MarkerSighting
 from remote_site.reasons import Code, Reason, reason
@@ -48,7 +48,7 @@ class MarkerWatch:
         self._newest: dict[str, dict[int, _Looked]] = {view: {} for view in views}
         self._unreached: dict[str, tuple[int, Collection[int]]] = {}
 
-    def take(self, view: str, t_ns: int, found: Found, base_T_tool: Array | None) -> None:
+    def take(self, view: str, t_ns: int, found: FoundMarkers, base_T_tool: Array | None) -> None:
         """Take what a view's picture of the time `t_ns` shows; a camera on the tool needs the tool's pose (4 x 4) then.
 
         Views without calibration are ignored.

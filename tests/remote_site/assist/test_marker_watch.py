@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from common.geometry import inverse, transform
 from common.messages.requests import ViewCalibration
 from remote_site.assist.config import AssistConfig, AssistTargetConfig
-from remote_site.assist.detection import Found, MarkerDetector
+from remote_site.assist.detection import FoundMarkers, MarkerDetector
 from remote_site.assist.families import MarkerFamily
 from remote_site.assist.marker_watch import MarkerWatch
 from remote_site.reasons import Code
@@ -121,7 +121,7 @@ def test_views_that_are_wrongly_calibrated_contradict_each_other():
         markers = [(config.family, NUMBER, SIZE_M, FACING)]
         found = detector.find(picture(np.reshape(seen.projection, (3, 4)), markers, rng))
         if name == "front_low":
-            found = Found({NUMBER: [found.corners[NUMBER][0] + (0.0, 6.0)]})
+            found = FoundMarkers({NUMBER: [found.corners[NUMBER][0] + (0.0, 6.0)]})
         watch.take(name, NOW_NS, found, None)
     (sighting,) = watch.sightings(NOW_NS)
     assert code(sighting) is Code.MARKER_CONTRADICTED
@@ -134,4 +134,4 @@ def test_half_a_marker_is_no_marker():
     (corners,) = detector.find(whole).corners[NUMBER]
     left, top = corners.min(axis=0).astype(int) - 5
     whole[top : top + 22, left : left + 60] = 90
-    assert detector.find(whole) == Found({})
+    assert detector.find(whole) == FoundMarkers({})
