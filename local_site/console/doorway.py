@@ -4,11 +4,13 @@ import asyncio
 import ssl
 from collections import Counter
 from collections.abc import Callable
+from ipaddress import IPv6Address, ip_address
 from typing import Any
 
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+IPV6_HOST_BITS = 64
 MOST_AT_ONCE = 128  # a browser opens six
 ANSWERED_WITHIN_S = 20.0  # from the connection, or the last answer, to the end of the next answer
 
@@ -49,8 +51,15 @@ class Doorway:
 
 
 def _address(transport: asyncio.Transport) -> str:
+    """Of IPv6 its network of 64 bits: a host has all of them."""
     peer = transport.get_extra_info("peername")
-    return str(peer[0]) if peer else ""
+    try:
+        address = ip_address(peer[0].partition("%")[0]) if peer else None
+    except ValueError:
+        return str(peer[0])
+    if isinstance(address, IPv6Address) and address.ipv4_mapped is None:
+        return str(int(address) >> IPV6_HOST_BITS)
+    return str(address)
 
 
 class DoorwayProtocol(H11Protocol):

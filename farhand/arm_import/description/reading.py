@@ -42,6 +42,7 @@ NAMES: Mapping[str, Sequence[str]] = {  # of each element, the attributes that a
     "material": ("name",),
 }
 TURNING = ("revolute", "prismatic", "continuous")
+MOST_LINKS, MOST_MOVING = 500, 200  # a humanoid with both hands has half as many
 
 
 def read_description(text: bytes, source: str) -> UrdfRobot:
@@ -60,6 +61,7 @@ def read_description(text: bytes, source: str) -> UrdfRobot:
     colours = {name: rgba for m in robot.findall("material") if (name := m.get("name")) and (rgba := _rgba(m))}
     links = {link.name: link for link in (_link(e, colours, source) for e in robot.findall("link"))}
     joints = tuple(_joint(e, source) for e in robot.findall("joint"))
+    _check_size(links, joints, source)
     return UrdfRobot(robot.get("name") or "arm", _root(links, joints, source), links, joints)
 
 
@@ -74,6 +76,16 @@ def _check_names(robot: Element, source: str) -> None:
                 raise ModelError(f"{place}: its {key} {wrong}")
         if element.tag == "mesh" and not (element.get("filename") or "").isprintable():
             raise ModelError(f"{place}: its filename has characters that do not show; rename the file, and name it so")
+
+
+def _check_size(links: dict[str, UrdfLink], joints: tuple[Joint, ...], source: str) -> None:
+    """ModelError for more than any robot has: each would be weighed, and moved beside each other."""
+    moving = sum(joint.kind in TURNING for joint in joints)
+    if len(links) > MOST_LINKS or moving > MOST_MOVING:
+        raise ModelError(
+            f"{source} has {len(links)} links and {moving} moving joints, at most {MOST_LINKS} and {MOST_MOVING} can "
+            "be imported; give the file of the arm alone"
+        )
 
 
 def _root(links: dict[str, UrdfLink], joints: tuple[Joint, ...], source: str) -> str:

@@ -34,17 +34,22 @@ class Measurement:
 class Calls(Protocol):
     """What a driver has its arm do.
 
-    `obeyed` is the number of the last command that was written since `begin`, None before. `begin` comes before the
-    first command of an activation, where the arm is at `q` (n,) rad; from there no position is further than `most_rad`
-    (n,) from the one before it. `withdraw_grip`: what the gripper was ordered and does not do yet, it will not do;
-    neither does it after a stop. `measure`, called in every turn, returns what has newly been measured, or None; it
-    repeats a stop that has failed until one succeeds. `end` comes last: it stops the arm if told to, and lets go of it.
+    `obeyed` is the number of the last command that was written since `begin`, None before; `sent` (n,) in rad is where
+    the arm was sent last, in whatever activation. `begin` comes before the first command of an activation, where the
+    arm is at `q` (n,) rad and hangs `hang` (n,) rad from where it was sent, which is added to all positions; from there
+    none is further than `most_rad` (n,) from the one before it. `withdraw_grip`: what the gripper was ordered and does
+    not do yet, it will not do; neither does it after a stop. `measure`, called in every turn, returns what has newly
+    been measured, or None; it repeats a stop that has failed until one succeeds. `end` comes last: it stops the arm if
+    told to, and lets go of it.
     """
 
     @property
     def obeyed(self) -> int | None: ...
 
-    def begin(self, q: Array, most_rad: Array, most_n: float) -> None: ...
+    @property
+    def sent(self) -> Array | None: ...
+
+    def begin(self, q: Array, hang: Array, most_rad: Array, most_n: float) -> None: ...
 
     def measure(self) -> Measurement | None: ...
 
@@ -69,6 +74,8 @@ class ArmCalls:
         self._due_ns = 0
         self._owes_stop = False
         self._steps: PositionSteps | None = None
+        self._hang = np.zeros(arm.joints)
+        self.sent: Array | None = None
         self._gripper, self._most_n = GripperOrders(), 0.0
         self.obeyed: int | None = None
         self.under_way: tuple[str, int] | None = None
@@ -78,7 +85,7 @@ class ArmCalls:
         """When the arm is to be read again."""
         return self._due_ns
 
-    def begin(self, q: Array, most_rad: Array, most_n: float) -> None:
+    def begin(self, q: Array, hang: Array, most_rad: Array, most_n: float) -> None:
         """Nothing has been commanded; the gripper, too, keeps what it does. `most_n` is its largest force.
 
         DriverError while a stop has not succeeded.
@@ -86,7 +93,8 @@ class ArmCalls:
         if self._owes_stop:
             raise DriverError("the arm has not been stopped yet")
         self.withdraw_grip()
-        self.obeyed, self._steps, self._most_n = None, PositionSteps(most_rad, q), most_n
+        self._hang, self._steps = hang, PositionSteps(most_rad, q + hang)
+        self.obeyed, self._most_n = None, most_n
 
     def measure(self) -> Measurement | None:
         """Read the arm once a period."""
@@ -116,8 +124,9 @@ class ArmCalls:
 
         After a pause, as of a thread whose last call was slow, they are too far for one step: it gets there in several.
         """
-        q = command.q if self._steps is None else self._steps.towards(command.q)
-        positions = np.array(q)  # the arm may keep it, and write to it
+        goal = command.q + self._hang
+        self.sent = goal if self._steps is None else self._steps.towards(goal)
+        positions = np.array(self.sent)  # the arm may keep it, and write to it
         self._call("write", lambda: self._arm.write(positions))
         self.obeyed = command.seq
         self._grip(self._gripper.take(self._clock.now_ns()))

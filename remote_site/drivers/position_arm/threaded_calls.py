@@ -39,13 +39,18 @@ class ThreadedCalls:
         """The number of the last command that the thread has written."""
         return self._calls.obeyed
 
-    def begin(self, q: Array, most_rad: Array, most_n: float) -> None:
+    @property
+    def sent(self) -> Array | None:
+        """Where the thread has sent the arm last."""
+        return self._calls.sent
+
+    def begin(self, q: Array, hang: Array, most_rad: Array, most_n: float) -> None:
         """Nothing has been commanded; DriverError while a stop has not reached the arm."""
         with self._changed:
             if self._stops:
                 raise DriverError(f"the arm has not been stopped yet; {self._waits_for()}")
             self._unwritten = None
-            self._calls.begin(q, most_rad, most_n)
+            self._calls.begin(q, hang, most_rad, most_n)
 
     def measure(self) -> Measurement | None:
         """What the thread has read since the last call; raises what it has met."""

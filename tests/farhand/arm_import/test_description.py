@@ -141,3 +141,15 @@ def test_a_joint_without_limits_is_named_with_what_it_needs(limit):
     text = robot(joint("bare", "base", "l0", inside=limit), joint("b", "l0", "l1"))
     with pytest.raises(ModelError, match="bare: a joint of the arm needs <limit lower"):
         choose_arm(read(text), None)
+
+
+@pytest.mark.parametrize(("links", "kind"), [(501, "fixed"), (202, "revolute"), (3000, "fixed")])
+def test_more_links_than_any_robot_has_are_refused_at_once(links: int, kind: str) -> None:
+    limit = '<limit lower="-1" upper="1" velocity="1" effort="1"/>'
+    joints = "".join(
+        f'<joint name="j{k}" type="{kind}"><parent link="l{k}"/><child link="l{k + 1}"/>{limit}</joint>'
+        for k in range(links - 1)
+    )
+    text = f'<robot name="r">{"".join(f"""<link name="l{k}"/>""" for k in range(links))}{joints}</robot>'
+    with pytest.raises(ModelError, match=f"has {links} links .* give the file of the arm alone"):
+        read_description(text.encode(), "long.urdf")

@@ -117,10 +117,19 @@ class _Connection:
         self.aborted = True
 
 
-def test_who_comes_displaces_the_oldest_of_the_address_with_the_most() -> None:
+FLOODS = {
+    "one address": ["192.0.2.2"] * 5,
+    "one host's network of IPv6": [f"2001:db8:0:7::{k}" for k in range(5)],
+    "one link's": [f"fe80::{k}%eth0" for k in range(5)],
+}
+
+
+@pytest.mark.parametrize("hosts", FLOODS.values(), ids=FLOODS)
+@pytest.mark.parametrize("own", ["192.0.2.1", "2001:db8:0:8::1"])
+def test_who_comes_displaces_the_oldest_of_the_address_with_the_most(own: str, hosts: list[str]) -> None:
     async def play() -> list[bool]:
         doorway = Doorway(most=4)
-        operator, *flood = _Connection("192.0.2.1"), *(_Connection("192.0.2.2") for _ in range(5))
+        operator, *flood = _Connection(own), *map(_Connection, hosts)
         for connection in (operator, *flood):
             doorway.enter(connection)
         assert len(doorway) == 4

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
+from common.geometry import Array
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.drivers.position_arm.driver import PositionArmDriver
@@ -50,11 +51,17 @@ class DrivenArm:
         self.driver.activate(self.reading().q)
         return self
 
-    def command(self, ahead_rad: float, speed: float = 0.0, gripper: GripperCommand = GripperCommand.KEEP) -> None:
-        """A command of the first joint, relative to the start."""
+    def command(
+        self,
+        ahead_rad: float,
+        speed: float = 0.0,
+        gripper: GripperCommand = GripperCommand.KEEP,
+        at: Array = START,
+    ) -> None:
+        """A command of the first joint, relative to the start, or to where it is `at` (n,) in rad."""
         self.seq += 1
         unit = np.eye(6)[0]
-        q, dq = START + ahead_rad * unit, speed * unit
+        q, dq = at + ahead_rad * unit, speed * unit
         self.driver.write(JointCommand(self.seq, self.clock.now_ns(), q, dq, np.zeros(6), gripper))
 
     def at_speed(self, speed: float = 0.8, ms: float = 300.0) -> "DrivenArm":

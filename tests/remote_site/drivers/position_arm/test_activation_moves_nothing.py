@@ -1,0 +1,99 @@
+"""An activation moves no position arm: not one that hangs from where it was sent, nor one that is misread."""
+
+import math
+
+import numpy as np
+import pytest
+
+from common.errors import DriverError
+from tests.contracts.position_arms import BrakingArm, ServoArm
+from tests.remote_site.drivers.position_arm.driven_arm import START, DrivenArm
+
+SECOND = np.eye(6)[1]
+
+
+class HangingArm(ServoArm):
+    """Its load holds it `hang` rad below its goal, which a stop leaves as it is."""
+
+    hang = 0.04
+
+    def move(self) -> None:
+        now_ns = self.clock.now_ns()
+        elapsed_s, self._moved_ns = (now_ns - self._moved_ns) / 1e9, now_ns
+        rest = self.goal - self.hang * SECOND
+        self.q = rest + (self.q - rest) * math.exp(-elapsed_s / self.lag_s)
+
+    def stop(self) -> None:
+        self.calls.append("stop")
+        self.move()
+
+
+class MisreadArm(ServoArm):
+    """Its second joint is read off by `off` rad; its servo knows better."""
+
+    off = 0.0
+
+    def read(self) -> np.ndarray:
+        super().read()
+        return self.q + self.off * SECOND
+
+
+class MisreadBrakingArm(BrakingArm):
+    """The same of an arm that stops by its own means."""
+
+    off = 0.0
+
+    def read(self) -> np.ndarray:
+        super().read()
+        return self.q + self.off * SECOND
+
+
+def test_an_arm_that_hangs_below_its_goal_sinks_by_no_activation() -> None:
+    driven = DrivenArm(HangingArm).active()
+    driven.command(0.0)
+    driven.turns(300)
+    hung = driven.arm.q.copy()
+    for _ in range(5):
+        driven.driver.stop()
+        driven.turns(500)
+        q = driven.reading().q
+        driven.driver.activate(q)
+        driven.command(0.0, at=q)
+        driven.turns(300)
+    assert driven.arm.q == pytest.approx(hung, abs=1e-6)
+
+
+@pytest.mark.parametrize("kind", [MisreadArm, MisreadBrakingArm])
+@pytest.mark.parametrize("off", [-1.0, 0.089, 0.3])
+def test_an_arm_that_is_read_farther_away_than_it_can_hang_is_not_activated_there(
+    kind: type[ServoArm], off: float
+) -> None:
+    driven = DrivenArm(kind).active()
+    driven.command(0.0)
+    driven.turns(300)
+    driven.driver.stop()
+    driven.turns(500)
+    driven.arm.off = off
+    driven.turns(500)
+    rested = driven.arm.q.copy()
+    with pytest.raises(DriverError, match="check its sensor"):
+        driven.driver.activate(driven.reading().q)
+    driven.turns(100)
+    assert driven.arm.q == pytest.approx(rested, abs=1e-9)
+    driven.arm.off = 0.0
+    driven.turns(500)
+    driven.driver.activate(driven.reading().q)
+
+
+@pytest.mark.parametrize("kind", [ServoArm, BrakingArm])
+def test_an_arm_that_was_stopped_in_motion_is_activated_where_it_rests(kind: type[ServoArm]) -> None:
+    driven = DrivenArm(kind).active().at_speed(1.5)
+    driven.driver.stop()
+    driven.turns(1500)
+    rested = driven.arm.q.copy()
+    assert abs(rested[0] - START[0]) > 0.1
+    q = driven.reading().q
+    driven.driver.activate(q)
+    driven.command(0.0, at=q)
+    driven.turns(300)
+    assert driven.arm.q == pytest.approx(rested, abs=0.01)
