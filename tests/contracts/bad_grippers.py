@@ -115,14 +115,22 @@ class Unhurried(Gripping):
         self.goal_m = OPENING_M.get(self.orders.take(now_ns), self.goal_m)
 
 
-class Postponing(Unhurried):
+class Stubborn(Unhurried):
+    """KEEP withdraws nothing that its gripper was ordered: good where nothing waits for longer than it may."""
+
+    def grip(self, command: GripperCommand) -> None:
+        if command is not GripperCommand.KEEP:
+            super().grip(command)
+
+
+class Postponing(Stubborn):
     """Does after an activation what its gripper was ordered before."""
 
     def forget(self) -> None:
         pass
 
 
-class Patient(Unhurried):
+class Patient(Stubborn):
     """Does what its gripper was ordered however long ago."""
 
     def obey(self, now_ns: int) -> None:

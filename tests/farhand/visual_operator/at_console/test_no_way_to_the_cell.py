@@ -56,4 +56,4 @@ def test_its_process_gets_that_and_nothing_else(monkeypatch, tmp_path):
     trial.operator_process(plan)
     name, *command = told[0]
     assert name == "operator"
-    assert command[1:] == ["-m", trial.OPERATOR, msgspec.json.encode(plan.sitting).decode()]
+    assert command[1:] == ["-P", "-m", trial.OPERATOR, msgspec.json.encode(plan.sitting).decode()]
