@@ -13,7 +13,7 @@ from common.recording.hand_transcript import EPISODE
 from common.recording.reader import KeptMessage, RecordingReader, as_recorded
 
 MOST_EPISODES = 10_000
-MOST_EVENT_BYTES = 8 << 10  # of one event; a task and a note have at most 400 characters each
+MOST_EVENT_BYTES = 6 << 10  # of one event; a task and a note have at most 400 characters each
 
 
 class RecordedEpisode(NamedTuple):

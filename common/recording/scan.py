@@ -123,13 +123,15 @@ def _take_chunk(index: FileIndex, head: RecordHead, content: bytes) -> None:
     indexes: dict[int, array[int]] = {}
     for opcode, begin, end in records_in(data):
         if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
-            _describe(index, end - begin)
+            check_described(end - begin)
         if opcode == Opcode.SCHEMA:
             schema = Schema.read(ReadDataStream(BytesIO(data[begin:end])))
             schemas[schema.id] = schema
+            _describe(index, end - begin if schema != index.schemas.get(schema.id) else 0)
         elif opcode == Opcode.CHANNEL:
             channel = Channel.read(ReadDataStream(BytesIO(data[begin:end])))
             channels[channel.id] = channel
+            _describe(index, end - begin if channel != index.channels.get(channel.id) else 0)
         elif opcode == Opcode.MESSAGE:
             number, _, log_ns, published_ns = MESSAGE_HEAD.unpack(data[begin:end][: MESSAGE_HEAD.size])
             if max(log_ns, published_ns) >= MOST_TIME_NS or not (number in channels or number in index.channels):

@@ -88,6 +88,14 @@ def test_a_repair_takes_no_more_schemas_than_a_recorder_writes(tmp_path: Path) -
     assert path.stat().st_size < MB
 
 
+def test_schemas_and_topics_that_each_chunk_repeats_count_once(tmp_path: Path) -> None:
+    path, count = tmp_path / "x.mcap", 24
+    schema = Schema(id=1, data=bytes(100_000), encoding="jsonschema", name="n")
+    topic = Channel(2, "t" * 100_000, "x", {}, 1)
+    path.write_bytes(begun(CLOCK, *[chunk_of(written(schema, topic) + messages(1, 5))] * count))
+    assert repair(path).messages == read_all(path) == count
+
+
 def test_as_much_as_a_repair_takes_a_reader_takes_too(tmp_path: Path) -> None:
     """The index has a count for each topic, beside what describes it."""
     path, count = tmp_path / "x.mcap", 43_000
