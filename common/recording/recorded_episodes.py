@@ -6,10 +6,14 @@ from typing import NamedTuple
 
 import msgspec
 
+from common.errors import RecordingError
 from common.messages.recording import EpisodeOutcome
 from common.recording.episodes import EpisodeEvent, EpisodeEventKind
 from common.recording.hand_transcript import EPISODE
 from common.recording.reader import KeptMessage, RecordingReader, as_recorded
+
+MOST_EPISODES = 10_000
+MOST_EVENT_BYTES = 6 << 10  # of one event; a task and a note have at most 400 characters each
 
 
 class RecordedEpisode(NamedTuple):
@@ -25,11 +29,13 @@ class RecordedEpisode(NamedTuple):
 
 def read_episodes(parts: Sequence[Path]) -> list[RecordedEpisode]:
     """The episodes of a recording, from all its files in order."""
-    events: list[EpisodeEvent] = []
+    return episodes_of(_events_in(parts))
+
+
+def _events_in(parts: Sequence[Path]) -> Iterator[EpisodeEvent]:
     for part in parts:
         with RecordingReader(part) as recording, as_recorded(part):
-            events += episode_events(recording)
-    return episodes_of(events)
+            yield from episode_events(recording)
 
 
 def episode_events(recording: RecordingReader) -> Iterator[EpisodeEvent]:
@@ -38,12 +44,18 @@ def episode_events(recording: RecordingReader) -> Iterator[EpisodeEvent]:
 
 
 def event_in(message: KeptMessage) -> EpisodeEvent:
-    """The event that a message of this topic is."""
+    """The event that a message of this topic is; ValueError for one that is longer than any."""
+    if len(message.data) > MOST_EVENT_BYTES:
+        size, most = len(message.data) >> 10, MOST_EVENT_BYTES >> 10
+        raise ValueError(f"an event of {size} kB; a recorder's have at most {most}")
     return msgspec.json.decode(message.data, type=EpisodeEvent)
 
 
 def episodes_of(events: Iterable[EpisodeEvent]) -> list[RecordedEpisode]:
-    """The episodes in the order of their first events: of several events of one episode the last holds."""
+    """The episodes in the order of their first events: of several events of one episode the last holds.
+
+    RecordingError for more than any recording has.
+    """
     found: dict[int, RecordedEpisode] = {}
     for event in events:
         known = found.get(event.episode)
@@ -53,4 +65,6 @@ def episodes_of(events: Iterable[EpisodeEvent]) -> list[RecordedEpisode]:
         elif event.event is EpisodeEventKind.END:
             end_ns = event.t_ns
         found[event.episode] = RecordedEpisode(event.episode, begin_ns, end_ns, event.task, event.outcome, event.note)
+        if len(found) > MOST_EPISODES:
+            raise RecordingError(f"a recording of more than {MOST_EPISODES} episodes: give one that a recorder wrote")
     return list(found.values())

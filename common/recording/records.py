@@ -9,6 +9,8 @@ MAGIC = b"\x89MCAP0\r\n"
 RECORD_HEADER = struct.Struct("<BQ")
 MOST_CHUNK_BYTES = 64 << 20  # decompressed; a recorder's have a quarter of it, and one message
 MOST_RECORD_BYTES = MOST_CHUNK_BYTES + (1 << 20)  # what cannot be compressed grows a little
+MOST_DESCRIBED_BYTES = 1 << 20  # schemas, channels and names of a file; a recorder's have some 50 kB
+MOST_TABLE_BYTES = 64 << 10  # of one table of words
 MOST_TIME_NS = 1 << 62  # since 1970: the year 2116; differences of two times fit into 64 bits
 # What damage makes of a reader; lz4 raises RuntimeError.
 BROKEN = (McapError, ValueError, RuntimeError, struct.error, EOFError, LookupError, OverflowError, MemoryError)
@@ -50,3 +52,9 @@ def record_at(file: IO[bytes], opcode: int, start: int, size: int) -> bytes:
     if head is None or head.opcode != opcode:
         raise ValueError(f"its index names a record at byte {start}, where there is none")
     return content_of(file, head)
+
+
+def check_described(size: int) -> None:
+    """ValueError where all that describes a file takes more bytes than a recorder's."""
+    if size > MOST_DESCRIBED_BYTES:
+        raise ValueError(f"its schemas and names take more than {MOST_DESCRIBED_BYTES >> 20} MB, unlike a recorder's")

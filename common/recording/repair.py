@@ -85,8 +85,9 @@ def _whole(file: IO[bytes], index: FileIndex) -> FileSummary | None:
         summary = read_summary(file)
         for name in summary.documents:
             summary.document(file, name)
-        tables = {name: summary.table(file, name) for name in summary.tables}
-        epoch_in(tables[CLOCK_TABLE])
+        for name in summary.tables:
+            summary.table(file, name)
+        epoch_in(summary.table(file, CLOCK_TABLE))
         found = [place._replace(channels=b"") for place in summary.chunks]
         if summary.count != index.messages.total() or found != _places(index):
             for place in summary.chunks:  # does a reader pass over the damage that ended the scan?

@@ -1,5 +1,6 @@
 """Reads an MCAP file record by record up to where it is whole, and notes what its index needs."""
 
+import struct
 import zlib
 from array import array
 from collections import Counter
@@ -15,7 +16,6 @@ from mcap.records import (
     AttachmentIndex,
     Channel,
     ChunkIndex,
-    MessageIndex,
     Metadata,
     MetadataIndex,
     Schema,
@@ -25,20 +25,25 @@ from common.recording.chunks import CHUNK_HEAD, COMPRESSION, CONTENT_LENGTH, MES
 from common.recording.records import (
     BROKEN,
     MAGIC,
+    MOST_TABLE_BYTES,
     MOST_TIME_NS,
     RECORD_HEADER,
     RecordHead,
+    check_described,
     content_of,
     next_head,
 )
+
+MESSAGE_INDEX_HEAD = struct.Struct("<HI")  # its channel, and the length of the rows that follow
+INDEX_ROW_BYTES = 16  # when a message is, and where
 
 
 @dataclass
 class FileIndex:
     """What is in the data section of a file, as the summary at its end lists it.
 
-    `end` is where its last whole record ends; `unindexed` are the indexes that the last chunk lacks there:
-    by channel, time and place of each message in turn.
+    `described_bytes` are those of schemas, channels and names; `end` is where its last whole record ends; `unindexed`
+    are the indexes that the last chunk lacks there: by channel, time and place of each message in turn.
     """
 
     schemas: dict[int, Schema] = field(default_factory=dict)
@@ -48,6 +53,7 @@ class FileIndex:
     metadata: list[MetadataIndex] = field(default_factory=list)
     messages: Counter[int] = field(default_factory=Counter)
     unindexed: dict[int, "array[int]"] = field(default_factory=dict)
+    described_bytes: int = 0
     end: int = 0
 
     @property
@@ -85,7 +91,9 @@ def _take(index: FileIndex, head: RecordHead, content: bytes) -> None:
         case Opcode.CHUNK:
             _take_chunk(index, head, content)
         case Opcode.MESSAGE_INDEX:
-            channel = MessageIndex.read(stream).channel_id
+            channel, length = MESSAGE_INDEX_HEAD.unpack_from(content)
+            if length != len(content) - MESSAGE_INDEX_HEAD.size or length % INDEX_ROW_BYTES:
+                raise ValueError("a message index that is not as long as it says")
             last = index.chunks[-1]
             index.unindexed.pop(channel, None)
             last.message_index_offsets[channel] = head.start
@@ -94,9 +102,17 @@ def _take(index: FileIndex, head: RecordHead, content: bytes) -> None:
             a = Attachment.read(stream)
             row = AttachmentIndex(head.start, whole, a.log_time, a.create_time, len(a.data), a.name, a.media_type)
             if int.from_bytes(content[-4:], "little") == zlib.crc32(content[:-4]):  # else it stays, and nobody finds it
+                _describe(index, len(content) - len(a.data))
                 index.attachments.append(row)
-        case Opcode.METADATA:
+        case Opcode.METADATA if head.length <= MOST_TABLE_BYTES:
             index.metadata.append(MetadataIndex(head.start, whole, Metadata.read(stream).name))
+            _describe(index, whole)
+
+
+def _describe(index: FileIndex, size: int) -> None:
+    """Count so many more bytes of schemas, channels or names; ValueError beyond those of a recorder's file."""
+    index.described_bytes += size
+    check_described(index.described_bytes)
 
 
 def _take_chunk(index: FileIndex, head: RecordHead, content: bytes) -> None:
@@ -106,12 +122,16 @@ def _take_chunk(index: FileIndex, head: RecordHead, content: bytes) -> None:
     channels: dict[int, Channel] = {}
     indexes: dict[int, array[int]] = {}
     for opcode, begin, end in records_in(data):
+        if opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
+            check_described(end - begin)
         if opcode == Opcode.SCHEMA:
             schema = Schema.read(ReadDataStream(BytesIO(data[begin:end])))
             schemas[schema.id] = schema
+            _describe(index, end - begin if schema != index.schemas.get(schema.id) else 0)
         elif opcode == Opcode.CHANNEL:
             channel = Channel.read(ReadDataStream(BytesIO(data[begin:end])))
             channels[channel.id] = channel
+            _describe(index, end - begin if channel != index.channels.get(channel.id) else 0)
         elif opcode == Opcode.MESSAGE:
             number, _, log_ns, published_ns = MESSAGE_HEAD.unpack(data[begin:end][: MESSAGE_HEAD.size])
             if max(log_ns, published_ns) >= MOST_TIME_NS or not (number in channels or number in index.channels):

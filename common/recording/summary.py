@@ -17,8 +17,10 @@ from common.recording.chunks import ChunkMessage, decompressed, messages_in
 from common.recording.records import (
     MAGIC,
     MOST_CHUNK_BYTES,
+    MOST_TABLE_BYTES,
     MOST_TIME_NS,
     RECORD_HEADER,
+    check_described,
     content_of,
     next_head,
     record_at,
@@ -64,6 +66,8 @@ class FileSummary:
     def table(self, file: IO[bytes], name: str) -> dict[str, str]:
         """A table of words; KeyError without it, ValueError where it is damaged."""
         content = record_at(file, Opcode.METADATA, self.tables[name], self.size)
+        if len(content) > MOST_TABLE_BYTES:
+            raise ValueError(f"a table of {len(content) >> 10} kB; recorders write at most {MOST_TABLE_BYTES >> 10}")
         read = Metadata.read(_stream(content))
         if read.name != name:
             raise ValueError(f"the table {name!r} has another name")
@@ -95,11 +99,13 @@ def read_summary(file: IO[bytes]) -> FileSummary:
     size = file.seek(0, 2)
     begin = _summary_begin(file, size)
     summary, seen = FileSummary(size), dict[bytes, bytes]()
-    end = size - len(MAGIC) - FOOTER_BYTES
+    end, described = size - len(MAGIC) - FOOTER_BYTES, 0
     while begin < end:
         head = next_head(file, begin, end)
         if head is None:
             raise ValueError("its index is cut")
+        described += head.length if head.opcode != Opcode.CHUNK_INDEX else 0
+        check_described(max(described, head.length) // 2)  # its rows, of what is described, take as much at most
         _take(summary, head.opcode, content_of(file, head), seen)
         begin = head.end
     if summary.chunks and not summary.counts:

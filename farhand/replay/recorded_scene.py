@@ -31,6 +31,8 @@ from remote_site.recording import topics
 from remote_site.runtime.request_server import describe
 
 BEFORE_NS = NS_PER_S // 2  # before the time that is jumped to: by then every panel has something
+MOST_EVENTS_BYTES = 8 << 20  # of one file, each with what keeping it takes
+EVENT_BYTES = 100
 EVENT_TOPICS = EPISODE.name, LOG.name
 HAND_PREFIX = HAND.key.split("{operator}")[0]
 
@@ -126,12 +128,15 @@ class RecordedScene:
         )
 
     def _events(self, part: RecordingReader) -> Iterator[RecordedEvent]:
-        """Those of a file; where it is damaged, so far, and that."""
-        at_s = 0.0
+        """Those of a file; where it is damaged, or has more than a page can list, so far, and that."""
+        at_s, kept_bytes = 0.0, 0
         try:
             with as_recorded(part.path):
                 for message in part.messages(EVENT_TOPICS):
                     at_s = (message.t_ns - self.begin_ns) / NS_PER_S
+                    kept_bytes += EVENT_BYTES + len(message.data)
+                    if kept_bytes > MOST_EVENTS_BYTES:
+                        raise ValueError("more events than a page can list")
                     event = self._event(message, at_s)
                     if event is not None:
                         yield event

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
 from remote_site.teleop.gripper_toggles import OPPOSITE
 
 STEP_S = 0.02
+MOST_POSES = 500_000  # more than an hour of states at 100 Hz
 
 
 @dataclass(frozen=True)
@@ -43,12 +45,13 @@ def recorded_path(file: Path, cell: str, episode: int | None) -> RecordedPath:
     chosen = _chosen(file, read_episodes(parts_from(file)), episode)
     if chosen.begin_ns is None:
         raise RecordingError(f"episode {chosen.number} begins in a file before {file}: give the one where it begins")
-    states = list(_states(file, STATE.key_for(cell), chosen.begin_ns, chosen.end_ns))
-    followed = [state for state in states if _follows(state)]
+    wanted = file, STATE.key_for(cell), chosen.begin_ns, chosen.end_ns
+    followed = list(islice(filter(_follows, _states(*wanted)), 2))
     if len(followed) < 2:
         raise RecordingError(f"in episode {chosen.number} of {file} the arm never followed the hand: choose another")
     start = followed[0]
-    return RecordedPath(chosen.number, path_of(states), OPPOSITE[start.gripper_next] if start.gripper else None)
+    gripper = OPPOSITE[start.gripper_next] if start.gripper else None
+    return RecordedPath(chosen.number, path_of(_states(*wanted)), gripper)
 
 
 def check_cell(recorded: Description, cell: Description) -> None:
@@ -85,13 +88,15 @@ def path_of(states: Iterable[RobotState]) -> ToolTrajectory:
     """The targets one after the other; from one engagement, or hold, to the next by a slow approach.
 
     States have the time of the robot's reading. Several of one reading are one place of the path, but each toggle of
-    the gripper counts, also where the arm does not follow.
+    the gripper counts, also where the arm does not follow. RecordingError for a path that is too long to be kept.
     """
     path = _PathUnderWay()
     for state in states:
         if _follows(state):
             path.add(state)
         path.note_gripper(state)
+        if max(len(path.poses), len(path.actions)) > MOST_POSES:
+            raise RecordingError(f"the path has more than {MOST_POSES} places: choose a shorter episode")
     poses = np.array(path.poses)
     orientations = Rotation.from_matrix(poses[:, :3, :3]).as_quat()
     return ToolTrajectory(np.array(path.t_s), poses[:, :3, 3], orientations, actions=tuple(path.actions))

@@ -2,9 +2,10 @@
 
 import random
 import struct
+import tracemalloc
 import zlib
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,17 @@ SECOND_NS = 10**9
 DOCUMENT = "notes.txt"
 MESSAGES = 42
 CHANNEL = Channel(1, "a", "x", {}, 0)
+
+
+@contextmanager
+def takes_at_most(size: int) -> Iterator[None]:
+    """Whether so many bytes are enough."""
+    tracemalloc.start()
+    try:
+        yield
+        assert tracemalloc.get_traced_memory()[1] < size
+    finally:
+        tracemalloc.stop()
 
 
 def recording(path: Path) -> bytes:

@@ -2,9 +2,6 @@
 
 import subprocess
 import sys
-import tracemalloc
-from collections.abc import Iterator
-from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 
@@ -27,23 +24,13 @@ from tests.common.recording.damaged_files import (
     recording,
     row_of,
     statistics,
+    takes_at_most,
     zeros_by_zstd,
 )
 
 MB = 1 << 20
 STATED_MB = 512  # docs/recording.md
 CASES = 200
-
-
-@contextmanager
-def takes_at_most(size: int) -> Iterator[None]:
-    """Whether so many bytes are enough."""
-    tracemalloc.start()
-    try:
-        yield
-        assert tracemalloc.get_traced_memory()[1] < size
-    finally:
-        tracemalloc.stop()
 
 
 def test_whatever_is_changed_or_cut_it_is_read_or_refused_and_what_is_repaired_can_be_read(

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 import simplejpeg
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
+from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from common.errors import RecordingError
 from common.messages.requests import EngagementAction
 from common.recording.config import RecordConfig
-from common.recording.hand_transcript import EPISODE
+from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.mcap_file import McapFile
 from common.recording.reader import CLOCK_TABLE, RecordingReader
 from common.recording.topics import MessageSchema, Topic
@@ -109,6 +110,14 @@ def test_a_replay_shows_what_it_can_and_says_from_where_on_it_knows_no_events(al
     with RecordedScene(altered(**{EPISODE.name: GARBAGE, PICTURES: GARBAGE}), tmp_path) as scene:
         assert any("no events are known from here on" in event.words for event in scene.events)
         assert len(list(scene.shown(scene.begin_ns))) > 0
+
+
+def test_a_replay_keeps_no_more_events_than_a_page_can_list(altered, tmp_path):
+    line = Log(name="session", message="n" * (9 << 20)).SerializeToString()
+    with RecordedScene(altered(**{LOG.name: line}), tmp_path) as scene:
+        assert "no events are known from here on" in scene.events[-1].words
+        assert "more events than a page can list" in scene.events[-1].words
+        assert sum(len(event.words) for event in scene.events) < 10_000
 
 
 def test_the_path_of_an_episode_that_is_none_is_refused(altered):

@@ -2,6 +2,7 @@
 
 import os
 
+import msgspec
 import numpy as np
 import pytest
 from msgspec.structs import replace
@@ -9,17 +10,25 @@ from msgspec.structs import replace
 from common.clock import NS_PER_MS
 from common.errors import RecordingError, RefusedError
 from common.geometry import rotation_from_vector, transform
+from common.link import channels
+from common.messages.codec import encode
 from common.messages.recording import EpisodeOutcome
 from common.messages.requests import RecordAction
 from common.messages.robot import Engagement, GripperCommand, Pose, SessionState
 from common.recording.config import RecordConfig
+from common.recording.episodes import EpisodeEvent, EpisodeEventKind
+from common.recording.hand_transcript import EPISODE
+from common.recording.mcap_file import McapFile
+from common.recording.reader import CLOCK_TABLE, EPOCH_KEY
 from common.recording.repair import repair
+from common.recording.topics import MessageSchema, Topic
 from farhand.replay.recorded_scene import recorded_cell
 from farhand.replay.recorded_tool_path import check_cell, path_of, recorded_path
 from local_site.programmed.approach import SPEED_M_S
 from local_site.programmed.tool_trajectory import GripperAction
 from remote_site.teleop.gripper_toggles import OPPOSITE
 from tests.common.messages.golden_examples import STATE
+from tests.common.recording.damaged_files import takes_at_most
 from tests.farhand.replay.recorded_states import moves_back, recorded_states
 from tests.remote_site.driven_loop import CONFIG
 from tests.remote_site.recording.recorded_site import RecordedSite
@@ -50,6 +59,30 @@ def test_targets_and_times_are_those_of_the_states():
     assert path.duration_s == pytest.approx(2.0)
     assert path.base_T_tool(1.0)[:3, 3] == pytest.approx(TOOL[:3, 3] + [0.1, 0, 0])
     assert path.base_T_tool(1.0)[:3, :3] == pytest.approx(TOOL[:3, :3])
+
+
+def test_states_are_read_one_after_the_other_and_not_all_kept(tmp_path):
+    path = tmp_path / "x.mcap"
+    file = McapFile(path, "test")
+    file.describe(CLOCK_TABLE, {EPOCH_KEY: "0"})
+    kind, outcome = EpisodeEventKind.BEGIN, EpisodeOutcome.UNKNOWN
+    begin = EpisodeEvent(event=kind, episode=1, t_ns=1, by="anna", task="", outcome=outcome, note="")
+    file.add(EPISODE, msgspec.json.encode(begin), 1, 1)
+    first, last = stretch(0, 2, 0.0)
+    for k, state in enumerate([first, *[last] * 10_000]):
+        file.add(Topic(channels.STATE.key_for("cell"), "x", MessageSchema("s")), encode(state), k + 1, k + 1)
+        if k % 1000 == 999:
+            file.flush()
+    file.finish()
+    with takes_at_most(12 << 20):
+        found = recorded_path(path, "cell", None)
+    assert found.path.duration_s == pytest.approx(0.01)
+
+
+def test_a_path_longer_than_any_is_refused(monkeypatch):
+    monkeypatch.setattr("farhand.replay.recorded_tool_path.MOST_POSES", 100)
+    with pytest.raises(RecordingError, match=r"more than 100 places: choose a shorter episode"):
+        path_of(stretch(0, 101, 0.0))
 
 
 def test_a_toggle_becomes_what_it_commanded_at_its_time():
