@@ -10,11 +10,12 @@ import msgspec
 from common.clock import NS_PER_MS
 from common.link.channels import CAMERA, SHOWN, ChannelSession
 from common.link.transport import open_link
-from common.messages.recording import EpisodeOutcome, RecordingState
+from common.messages.recording import RecordingState
 from common.messages.video import VideoFrame, ViewCame, ViewShown, ViewsShown
 from remote_site.recording.control_tap import UNREADABLE
 from remote_site.recording.memory import RecordingMemory
 from remote_site.recording.memory_files import memory_place
+from tests.common.recording.recorder_states import recorder
 from tests.faults.cell_pair import CellPair
 from tests.faults.pair_setup import CELL, OPERATOR
 from tests.faults.trial import Trial
@@ -24,17 +25,7 @@ SLEWED_S = 8.0  # each way
 REPORT_S = 0.1
 BEATS, BEAT_S = 10, 0.1
 CAMERA_NAME = "side"
-STATE = RecordingState(
-    writing=True,
-    on_request=False,
-    operator_pictures=False,
-    episode=1,
-    episode_open=True,
-    task="",
-    outcome=EpisodeOutcome.UNKNOWN,
-    lost=0,
-    alarm="",
-)
+STATE = recorder(writing=True, on_request=False)
 
 
 def record_strangely(trial: Trial) -> None:
