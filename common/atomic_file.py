@@ -3,6 +3,8 @@
 import os
 from pathlib import Path
 
+OWNER_ONLY = 0o600  # of a file that holds a secret
+
 
 def write_atomically(path: Path, content: bytes, mode: int | None = None) -> None:
     """Write a file; OSError if that fails, with an earlier file kept and nothing left behind.

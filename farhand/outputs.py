@@ -74,10 +74,13 @@ def make_folder(option: str, folder: Path) -> None:
         raise ConfigError(f"{option} {folder} cannot be written; choose another folder")
 
 
-def write_result(path: Path, content: bytes) -> None:
-    """Write a file of results whole; ConfigError, with the earlier one kept, if that fails."""
+def write_result(path: Path, content: bytes, mode: int | None = None) -> None:
+    """Write a file of results whole; ConfigError, with the earlier one kept, if that fails.
+
+    With a `mode`, the file has these permissions before it has any content.
+    """
     try:
-        write_atomically(path, content)
+        write_atomically(path, content, mode)
     except OSError as error:
         raise ConfigError(f"cannot write {path}: {error.strerror}; choose a folder that can be written") from error
 

@@ -17,3 +17,8 @@ def shown_source(source: int | str) -> str:
     if host is None or rest.count("@") > host[0].count("@"):
         return f"{scheme}://{HIDDEN}"
     return f"{scheme}://{host[1]}{host[2] or ''}"
+
+
+def hides_part(source: int | str) -> bool:
+    """Whether a source has a part that is not shown, since it may hold a password."""
+    return shown_source(source) != str(source)

@@ -8,9 +8,9 @@ from typing import IO, Any, NamedTuple
 
 from mcap.writer import CompressionType, Writer
 
+from common.atomic_file import OWNER_ONLY
 from common.recording.topics import ChunkGroup, MessageSchema, Topic
 
-OWNER_ONLY = 0o600
 MOST_CHUNK_BYTES = 16 << 20  # two seconds of four cameras: flushes make the chunks, not their size
 
 

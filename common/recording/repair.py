@@ -14,9 +14,10 @@ from mcap.data_stream import ReadDataStream, RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import DataEnd, Footer, McapRecord, Metadata, Statistics, SummaryOffset
 
+from common.atomic_file import OWNER_ONLY
 from common.clock import NS_PER_S
 from common.errors import RecordingError
-from common.recording.mcap_file import OWNER_ONLY, is_being_written
+from common.recording.mcap_file import is_being_written
 from common.recording.reader import CLOCK_TABLE, epoch_in
 from common.recording.records import BROKEN, MAGIC, record_at
 from common.recording.scan import FileIndex, ShowBytes, scan

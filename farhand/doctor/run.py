@@ -46,8 +46,8 @@ def examine(path: Path | None, settings: Sequence[str]) -> list[Finding]:
         name = "the default" if path is None else str(path)
         findings.append(ok("configuration", f"{name} of the {KINDS[kind]} has no mistakes"))
         findings += examine_config(config)
-        if path is not None and isinstance(config, ConsoleConfig) and config.serve.token:
-            findings.append(site.check_token(path, path.stat().st_mode))
+        if path is not None:
+            findings += _examine_secrets(path, config)
     return findings
 
 
@@ -100,6 +100,18 @@ def examine_config(config: Configuration) -> list[Finding]:
         return _examine_links(config.links, config.links.endpoints, *config.bearers)
     findings = [*_examine_links(config, config.listen, config.bearer), *site.check_operators(config)]
     return [*findings, *_examine_viewers(config.viewers, config.tls, config.bearer, ROUTERS_VIEWERS)]
+
+
+def _examine_secrets(path: Path, config: Configuration) -> list[Finding]:
+    """Who can read what a file's configuration has of secrets."""
+    mode = path.stat().st_mode
+    if isinstance(config, ConsoleConfig):
+        return [site.check_token(path, mode)] if config.serve.token else []
+    if isinstance(config, LocalConfig):
+        return site.check_sources(path, mode, config.operator.sources)
+    if isinstance(config, RemoteConfig):
+        return site.check_sources(path, mode, [camera.source for camera in config.video.cameras])
+    return []
 
 
 def examine_remote(config: RemoteConfig) -> list[Finding]:

@@ -1,10 +1,13 @@
 """What a configured site needs: ports, clocks, certificates; probes, and pure checks."""
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
+from common.cameras.shown_source import hides_part, shown_source
+from common.cameras.sources import Source
 from common.clock import NS_PER_S
 from common.errors import ConfigError, RefusedError, TransportError
 from common.link.config import NAME_OPERATORS, ON_THIS_HOST, LinkSecurity, OperatorLinks, TlsConfig
@@ -160,6 +163,15 @@ def check_token(path: Path, mode: int) -> Finding:
     if mode & OTHERS:
         return error("page's token", f"everybody on this host can read it in {path}", f"chmod o= {path}")
     return ok("page's token", f"not everybody can read it in {path}")
+
+
+def check_sources(path: Path, mode: int, sources: Sequence[Source]) -> list[Finding]:
+    """Not everybody can read the URLs of cameras, in a file of this mode."""
+    shown = [shown_source(source) for source in sources if hides_part(source)]
+    if not shown or not mode & OTHERS:
+        return []
+    sentence = f"everybody on this host can read the whole URL of {', '.join(shown)} in {path}, which may hold one"
+    return [warning("camera's password", sentence, f"chmod o= {path}")]
 
 
 def check_operators(links: OperatorLinks) -> list[Finding]:

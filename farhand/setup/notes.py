@@ -6,7 +6,9 @@ from pathlib import Path
 
 import msgspec
 
+from common.atomic_file import OWNER_ONLY
 from common.cameras.settings import AS_IT_IS, CameraSettings
+from common.cameras.shown_source import hides_part
 from common.errors import ConfigError
 from farhand.outputs import write_result
 from local_site.calibration.control_points import CAMERAS
@@ -94,9 +96,20 @@ class SetupFolder:
             raise ConfigError(f"{path} cannot be used ({error}); remove it, and answer the questions again") from error
 
     def keep(self, answers: SetupAnswers) -> SetupAnswers:
-        """Write the answers, and return them."""
-        write_result(self._answers, msgspec.json.format(msgspec.json.encode(answers), indent=2) + b"\n")
+        """Write the answers, for their owner alone, since a camera's URL may hold a password; return them."""
+        content = msgspec.json.format(msgspec.json.encode(answers), indent=2) + b"\n"
+        write_result(self._answers, content, OWNER_ONLY)
         return answers
+
+    def configure(self, text: bytes) -> None:
+        """Write the configuration, for its owner alone where it may hold a camera's password."""
+        has_secret = any(map(hides_part, self.answers().sources.values()))
+        write_result(self.configuration, text, OWNER_ONLY if has_secret else None)
+
+    def put_configuration_aside(self) -> None:
+        """Rename the configuration to local.toml.old, for its owner alone: its cameras may be others."""
+        self.configuration.chmod(OWNER_ONLY)
+        self.configuration.rename(self.path / f"{self.configuration.name}.old")
 
     def put_pairs_aside(self) -> None:
         """Rename the folder of calibration pictures to calibration.old, in place of one that is there."""

@@ -125,8 +125,8 @@ def _write_configuration(folder: SetupFolder, person: SetupPerson) -> None:
             person, f"{path} differs from these answers. Keep it (else it is put aside as local.toml.old)?", False
         ):
             return
-        path.rename(path.with_name(f"{path.name}.old"))
-    write_result(path, text)
+        folder.put_configuration_aside()
+    folder.configure(text)
     person.tell(f"the configuration is in {path}")
 
 

@@ -10,13 +10,13 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
+from common.atomic_file import OWNER_ONLY
 from common.errors import ProcessError
 from remote_site.link_config import RemoteLinksConfig
 
 FOLDER = Path("/dev/shm")  # noqa: S108  # names are random, files are made exclusively, and their owner is checked
 TOKEN_BYTES = 8
 MEMORY, WAITING = "", ".waiting"
-OWNER_ONLY = 0o600
 ROOT = 0
 OPENING = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
 

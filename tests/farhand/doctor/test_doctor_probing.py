@@ -195,6 +195,28 @@ def test_a_token_that_everybody_can_read_is_found(tmp_path: Path, mode: int, lev
     assert [finding.level for finding in examine(path, ()) if finding.check == "page's token"] == [level]
 
 
+@pytest.mark.parametrize(
+    ("text", "mode", "levels"),
+    [
+        (
+            "[operator]\nleft = 'rtsp://anna:s3cret@127.0.0.1:1/x'\nright = '/dev/video98'\nrig = 'absent'\n",
+            0o644,
+            ["warning"],
+        ),
+        ("[operator]\nleft = 'rtsp://anna:s3cret@127.0.0.1:1/x'\nright = '/dev/video98'\nrig = 'absent'\n", 0o640, []),
+        ("[operator]\nleft = '/dev/video97'\nright = '/dev/video98'\nrig = 'absent'\n", 0o644, []),
+        ("[[video.cameras]]\nname = 'front'\nsource = 'rtsp://127.0.0.1:1/x?password=s3cret'\n", 0o644, ["warning"]),
+    ],
+)
+def test_a_cameras_password_that_everybody_can_read_is_found(tmp_path: Path, text: str, mode: int, levels: str) -> None:
+    path = tmp_path / "site.toml"
+    path.write_text(text)
+    path.chmod(mode)
+    found = [finding for finding in examine(path, ()) if finding.check == "camera's password"]
+    assert [finding.level for finding in found] == levels
+    assert not any("s3cret" in str(finding) for finding in found)
+
+
 def test_a_real_run_ends_by_its_worst_finding(tmp_path: Path) -> None:
     config = tmp_path / "local.toml"
     listen, remote = free_ports(2)

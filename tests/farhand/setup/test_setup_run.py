@@ -1,6 +1,7 @@
 """A whole setup: from cameras to a configuration that loads, left in the middle and taken up again."""
 
 import dataclasses
+import os
 from contextlib import contextmanager
 from functools import lru_cache
 
@@ -182,6 +183,24 @@ def test_an_edited_configuration_is_kept_or_put_aside_never_lost(tmp_path, keep)
     holder = folder.configuration if keep == "y" else tmp_path / "local.toml.old"
     assert holder.read_text() == edited
     assert load_config(LocalConfig, folder.configuration).tracking.method == "silhouette"
+
+
+@pytest.mark.parametrize(("left", "others_read"), [("a", True), ("rtsp://anna:s3cret@192.0.2.7/x", False)])
+def test_nobody_else_reads_a_cameras_password_in_what_a_setup_writes(tmp_path, left, others_read):
+    folder = prepared(tmp_path)
+    answers = replace(folder.answers(), left=left)
+    folder.keep(replace(answers, rig_by=answers.rig_needs))
+    for name in ("answers.json", "local.toml"):
+        (tmp_path / name).touch()
+        (tmp_path / name).chmod(0o644)  # as an earlier release left them
+    umask = os.umask(0o022)
+    try:
+        set_up(tmp_path, ScriptedPerson({**NO_TRIAL, "differs": "n"}), tools())
+    finally:
+        os.umask(umask)
+    open_to_others = {path.name for path in tmp_path.iterdir() if path.stat().st_mode & 0o077}
+    assert not {"answers.json", "local.toml.old"} & open_to_others
+    assert ("local.toml" in open_to_others) == others_read
 
 
 def test_without_a_terminal_there_is_a_clear_error(monkeypatch):
