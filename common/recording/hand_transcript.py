@@ -1,6 +1,6 @@
 """What a hand sample shows, for either site's recording: its points with covariances, and the offset of the clocks."""
 
-from functools import cache
+from functools import lru_cache
 
 import msgspec
 from foxglove_schemas_protobuf.Log_pb2 import Log
@@ -16,6 +16,7 @@ from common.recording.session import RecordingSession
 from common.recording.topics import Topic, json_topic, protobuf_topic
 
 OPERATOR_FRAME = "operator"
+MOST_NAMES = 64  # of operators that are remembered: a list has 32 at most, and without one anybody invents some
 HAND_POINTS = ("elbow", "wrist", "index", "thumb", "palm")
 
 
@@ -31,7 +32,7 @@ EPISODE = json_topic("/episode", EpisodeEvent)
 CLOCK = json_topic("/clock", KnownClock, unit="ns")
 
 
-@cache
+@lru_cache(MOST_NAMES)
 def hand_topic(operator: str) -> Topic:
     """The points of an operator's arm."""
     return protobuf_topic(f"/hand/{operator}", PointCloud, unit="m, m2", points=",".join(HAND_POINTS))
@@ -51,7 +52,7 @@ class HandTranscript:
         except MessageError:
             return None  # the sites refuse it, too; its bytes are kept
         if hand.clock is not None and hand.clock != self._clocks.get(operator):
-            self._clocks[operator] = hand.clock
+            self._remember(operator, hand.clock)
             session.add(CLOCK, msgspec.json.encode(KnownClock(operator=operator, sync=hand.clock)), t_ns)
         offset_ns = self._offset_ns(hand)
         captured_ns = hand.capture_ns + offset_ns if offset_ns is not None else t_ns
@@ -61,6 +62,13 @@ class HandTranscript:
         cloud = foxglove.points(captured_ns + session.epoch_ns, OPERATOR_FRAME, named, HAND_POINTS)
         session.add(hand_topic(operator), cloud, t_ns, captured_ns)
         return hand.sent_ns + offset_ns if hand.sent_ns is not None and offset_ns is not None else None
+
+    def _remember(self, operator: str, clock: ClockSync) -> None:
+        """Keep the newest clock of the operators whose clock has changed last."""
+        self._clocks.pop(operator, None)
+        self._clocks[operator] = clock
+        if len(self._clocks) > MOST_NAMES:
+            del self._clocks[next(iter(self._clocks))]
 
     def _offset_ns(self, hand: HandArm) -> int | None:
         """From the operator's clock to the recording's, None where it is not known."""

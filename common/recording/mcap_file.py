@@ -9,6 +9,7 @@ from typing import IO, Any, NamedTuple
 from mcap.writer import CompressionType, Writer
 
 from common.atomic_file import OWNER_ONLY
+from common.recording.taken_topics import TakenTopics
 from common.recording.topics import ChunkGroup, MessageSchema, Topic
 
 MOST_CHUNK_BYTES = 16 << 20  # two seconds of four cameras: flushes make the chunks, not their size
@@ -75,6 +76,7 @@ class McapFile:
         self._output = FileOutput(path)
         output: Any = self._output
         self._writer: Any = Writer(output, chunk_size=MOST_CHUNK_BYTES, compression=CompressionType.LZ4)
+        self._topics = TakenTopics(path)
         self._schemas: dict[MessageSchema, int] = {}
         self._channels: dict[str, int] = {}
         self._counts = Counter[str]()
@@ -96,7 +98,9 @@ class McapFile:
         self._writer.add_attachment(create_time=log_ns, log_time=log_ns, name=name, media_type=media_type, data=data)
 
     def add(self, topic: Topic, data: bytes, log_ns: int, published_ns: int) -> None:
-        """Append a message; times in ns since the epoch of the file."""
+        """Append a message; times in ns since the epoch of the file. It is left out where its topic finds no room."""
+        if not self._topics.take(topic):
+            return
         self._waiting[topic.group].append(WaitingMessage(topic, self._counts[topic.name], data, log_ns, published_ns))
         self._counts[topic.name] += 1
         self._waiting_bytes += len(data)

@@ -41,6 +41,11 @@ class MessageSchema:
     encoding: str = ""
     data: bytes = b""
 
+    @property
+    def described_bytes(self) -> int:
+        """What it takes in a file."""
+        return len(f"{self.name}{self.encoding}".encode()) + len(self.data)
+
 
 @dataclass(frozen=True, slots=True)
 class Topic:
@@ -55,6 +60,12 @@ class Topic:
     def group(self) -> ChunkGroup:
         """With which topics it shares chunks."""
         return GROUPS.get(self.schema.name, ChunkGroup.SIGNALS)
+
+    @property
+    def named_bytes(self) -> int:
+        """What its name and words take in a file."""
+        words = (self.name, self.encoding, *self.about, *self.about.values())
+        return sum(len(word.encode()) for word in words)
 
 
 def protobuf_topic(name: str, message: Any, **about: str) -> Topic:

@@ -1,7 +1,7 @@
 """Under which topic a message is kept that passed the wire: its key, with its kind and the protocol's version."""
 
 import re
-from functools import cache
+from functools import lru_cache
 
 from common.link.channels import CHANNELS, PROCEDURES, Keyed
 from common.messages.base import PROTOCOL_VERSION
@@ -10,9 +10,10 @@ from common.recording.topics import Topic, wire_topic
 CHUNK = r"[^/]+"
 ANSWER = "/reply"
 UNKNOWN = "unknown"
+MOST_KEYS = 1024  # that are remembered: of 32 operators some 400, and without a list anybody invents names
 
 
-@cache
+@lru_cache(MOST_KEYS)
 def topic_of(key: str, *, sent: bool) -> Topic:
     """The topic of messages on this key, sent or received by the host that records.
 

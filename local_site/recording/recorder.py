@@ -1,7 +1,7 @@
 """The recorder of a local site: keeps what passes its links, and tells the console of this host that it does."""
 
 from collections.abc import Iterator
-from functools import cache, partial
+from functools import lru_cache, partial
 from importlib.metadata import version
 from typing import Protocol
 
@@ -24,6 +24,7 @@ from common.recording.hand_transcript import HandTranscript, add_log
 from common.recording.session import RecordingSession
 from common.recording.topics import Topic, protobuf_topic
 from common.recording.wire_topics import topic_of
+from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
 from local_site.recording.source import HeardMessage
 
@@ -45,7 +46,7 @@ class Heard(Protocol):
     def hear_views(self, *, wanted: bool) -> None: ...
 
 
-@cache
+@lru_cache(len(CAMERAS))
 def view_topic(view: str) -> Topic:
     """The pictures of one of the operator's views."""
     return protobuf_topic(f"/operator/{view}", CompressedImage)

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 from mcap.reader import NonSeekingReader, make_reader
+from structlog.testing import capture_logs
 
 from common.errors import RecordingError
 from common.recording.hand_transcript import EPISODE, LOG
@@ -14,7 +15,7 @@ from common.recording.mcap_file import MOST_CHUNK_BYTES, McapFile
 from common.recording.reader import CLOCK_TABLE, EPOCH_KEY, RecordingReader
 from common.recording.records import MAGIC
 from common.recording.repair import repair
-from common.recording.topics import JSON, MSGPACK, MessageSchema, Topic, protobuf_topic
+from common.recording.topics import JSON, MSGPACK, MessageSchema, Topic, protobuf_topic, wire_topic
 
 A = Topic("a", MSGPACK, MessageSchema("farhand.A"), {"unit": "m"})
 B = Topic("b", JSON, MessageSchema("B", "jsonschema", b'{"type":"object"}'))
@@ -123,6 +124,26 @@ def test_a_file_cut_at_any_byte_is_whole_to_its_last_flush(tmp_path: Path) -> No
         assert sum(end <= length for end in ends) <= seconds <= sum(end - indexes <= length for end in ends)
         seen.add(seconds)
     assert seen == {0, 1, 2, 3}
+
+
+@pytest.mark.parametrize(("names", "length"), [(30_000, 32), (100, 60_000)])
+def test_names_without_end_leave_the_file_readable_and_are_said_once(tmp_path: Path, names: int, length: int) -> None:
+    path = tmp_path / "file.mcap"
+    file = unfinished(path)
+    with capture_logs() as said:
+        for k in range(names):
+            invented = wire_topic(f"farhand/lab/hand/{k:0{length}}", "HandArm", 15)
+            file.add(invented, b"sample", 3 * SECOND_NS + k, 3 * SECOND_NS + k)
+            if k % (names // 10) == 0:
+                file.add(A, b"a30", 3 * SECOND_NS + k, 3 * SECOND_NS + k)
+                file.flush()
+    file.finish()
+    with RecordingReader(path) as reader:
+        topics = reader.topics
+    assert topics["a"] == 9 + 10
+    assert 2 < len(topics) < names / 2
+    assert list(topics.values())[2:] == [1] * (len(topics) - 2)
+    assert [line["event"] for line in said] == ["a recording takes no more topics"]
 
 
 def test_a_killed_writer_loses_only_what_came_since_the_last_flush(tmp_path: Path) -> None:

@@ -103,6 +103,20 @@ def state(session: SessionState) -> bytes:
     return encode(msgspec.structs.replace(golden.STATE, state=session))
 
 
+def test_names_without_end_are_not_all_remembered(tmp_path: Path, heard: Script, recorder: OperatorRecorder) -> None:
+    given = encode(msgspec.structs.replace(golden.HAND, clock=golden.CLOCKS))
+    heard.hear(HAND_KEY, 3.0, given)
+    heard.hear(HAND_KEY, 3.0, given)
+    for k in range(1000):
+        heard.hear(HAND.key_for("cell", operator=f"invented-{k}"), 3.1, given)
+    heard.hear(HAND_KEY, 3.2, given)
+    recorder.step(3 * 10**9)
+    recorder.end(4 * 10**9)
+    clocks = [json.loads(data)["operator"] for data in recorded(tmp_path, "/clock")]
+    assert len(clocks) == 1002
+    assert clocks.count("anna") == 2
+
+
 def test_what_passed_is_kept_byte_for_byte_and_shown(tmp_path: Path, heard: Script, recorder: OperatorRecorder) -> None:
     heard.hear(HAND_KEY, 3.1, encode(golden.HAND))
     heard.hear(HAND_KEY, 3.2, b"nothing")
