@@ -12,17 +12,16 @@ from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand, 
 from remote_site.drivers.faults import NOT_ACTIVATED, STILL_MOVING, STOPPED, RobotFault, apart
 from remote_site.drivers.position_arm.arm import PositionArm, PositionArmWithGripper
 from remote_site.drivers.position_arm.calls import ArmCalls, Calls
+from remote_site.drivers.position_arm.held_posture import HeldPosture
 from remote_site.drivers.position_arm.readings import ArmReadings
 from remote_site.drivers.position_arm.threaded_calls import ThreadedCalls
 from remote_site.drivers.position_arm.written_stop import WrittenStop
 from remote_site.drivers.supervisor.orders import command_timeout
 from remote_site.safety.silence import Silence
-from remote_site.safety.stopping import stop_time, stopping
 
 # An arm at rest is activated where it was read just before. A position arm goes there in one step, so less is allowed
 # than of other arms; an encoder of 4096 counts that flickers by several stays within it.
 NEAR_RAD = 0.02
-HANGS_RAD = 0.05  # at most, at rest, from where it was sent: by its load, and what its stop rounds
 LONGEST_SPEED_MS = 500.0
 
 
@@ -31,10 +30,10 @@ class PositionArmDriver:
 
     A reading has the positions as they were read, and the speeds of `SpeedOverWindow`; until these are known, `read`
     raises. It is stamped with the time just before `PositionArm.read`, or as the arm says, and keeps its stamp while
-    the arm has nothing new. Nothing is written by an activation, and none moves the arm: one that `writes_stop` holds
-    where it was sent last, and goes on from there, however far it hangs from that; one that is read farther away than
-    it can hang is not activated. `read`, which the driver's process calls in every
-    turn, also stops the arm when nothing was written for the command time-out, and writes the positions of a stop.
+    the arm has nothing new. Nothing is written by an activation, and none moves the arm: it holds where it was sent
+    last, and goes on from there, however far it hangs from that; but for joints that its own stop has braked. One that
+    is read farther away than it can hang is not activated. `read`, which the driver's process calls in every turn, also
+    stops the arm when nothing was written for the command time-out, and writes the positions of a stop.
     """
 
     def __init__(self, arm: PositionArm, clock: Clock) -> None:
@@ -57,7 +56,7 @@ class PositionArmDriver:
         self._sent: JointCommand | None = None
         self._written_ns = 0
         self._stop: WrittenStop | None = None
-        self._braked: Array = np.zeros(arm.joints)  # rad, at most, by its own stop
+        self._held = HeldPosture(arm.joints, self._capabilities.longest_lag_s, brakes=not arm.writes_stop)
         self._fault: RobotFault | None = NOT_ACTIVATED
         self._ended = False
 
@@ -81,7 +80,9 @@ class PositionArmDriver:
         if not np.abs(reading.q - q0).max() <= NEAR_RAD:
             raise DriverError(apart(setup.joint_names, q0.tolist(), reading.q.tolist()).sentence)
         most = setup.limits.velocity * (self._period_ns(setup) / NS_PER_S)
-        self._calls.begin(q0, self._hang(setup, reading.q), most, setup.grip_force_n)
+        sent = self._calls.sent
+        hang = np.zeros(len(q0)) if sent is None else self._held.hang(setup.joint_names, sent, reading.q)
+        self._calls.begin(q0, hang, most, setup.grip_force_n)
         self._sent, self._fault = None, None
 
     def read(self) -> RobotReading:
@@ -99,6 +100,7 @@ class PositionArmDriver:
             raise DriverError("activate the arm before it is commanded")
         self._calls.write(command)
         self._sent, self._written_ns = command, self._clock.now_ns()
+        self._held.sent(command.motion, self._written_ns)
         return command
 
     def stop(self) -> None:
@@ -112,20 +114,6 @@ class PositionArmDriver:
             return
         self._ended, self._fault = True, self._fault or STOPPED
         self._calls.end(stops=self._setup is not None)
-
-    def _hang(self, setup: DriverSetup, q: Array) -> Array:
-        """How far (n,) the arm holds from where it is read, `q` (n,) in rad; DriverError where it cannot be there."""
-        sent = self._calls.sent
-        if sent is None:
-            return np.zeros(len(q))
-        beyond = np.abs(q - sent) - self._braked
-        if not beyond.max() <= HANGS_RAD:
-            k = int(beyond.argmax())
-            raise DriverError(
-                f"{setup.joint_names[k]} is read at {q[k]:.3f} rad, and was sent to {sent[k]:.3f} rad last: check its "
-                "sensor; where the arm was moved by hand, start the remote site again"
-            )
-        return sent - q if self._arm.writes_stop else np.zeros(len(q))
 
     def _configured(self) -> DriverSetup:
         if self._setup is None:
@@ -147,20 +135,12 @@ class PositionArmDriver:
         self._fault = self._fault or why
         self._calls.withdraw_grip()
         if was_active and sent is not None:
-            self._braked = self._stop_way(sent, setup)
+            self._held.stopped(sent.motion, setup.limits, self._clock.now_ns())
         if self._arm.writes_stop and was_active and sent is not None:
             lag_s = self._capabilities.longest_lag_s
             self._stop = WrittenStop(sent.motion, setup.limits, self._written_ns, self._period_ns(setup), lag_s)
         else:
             self._calls.stop()
-
-    def _stop_way(self, sent: JointCommand, setup: DriverSetup) -> Array:
-        """How far (n,) in rad from where it was sent last an arm rests, at most, that stops by its own means."""
-        if self._arm.writes_stop:
-            return np.zeros(len(sent.q))
-        rest = stopping(sent.motion, setup.limits, stop_time(sent.motion, setup.limits))
-        way: Array = np.abs(rest.q - sent.q) + np.abs(sent.dq) * self._capabilities.longest_lag_s
-        return way
 
     def _write_stop(self, now_ns: int) -> None:
         """Write the stop that is under way; where that fails, or is at its end, the arm stops by its own means."""

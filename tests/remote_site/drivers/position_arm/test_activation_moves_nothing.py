@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from common.errors import DriverError
-from tests.contracts.position_arms import BrakingArm, ServoArm
+from tests.contracts.position_arms import BrakingArm, ServoArm, StopsHard
 from tests.remote_site.drivers.position_arm.driven_arm import START, DrivenArm
 
 SECOND = np.eye(6)[1]
@@ -26,6 +26,29 @@ class HangingArm(ServoArm):
     def stop(self) -> None:
         self.calls.append("stop")
         self.move()
+
+
+class HangingBrakingArm(HangingArm):
+    """The same of an arm that stops by its own means: at rest its stop changes nothing."""
+
+    writes_stop = False
+
+
+class SettlingArm(HangingArm):
+    """Its own stop takes where it is as its goal: it sinks once more by what it hangs."""
+
+    writes_stop = False
+    hang = 0.02
+    is_stopped = False
+
+    def write(self, positions: np.ndarray) -> None:
+        self.is_stopped = False
+        super().write(positions)
+
+    def stop(self) -> None:
+        super().stop()
+        if not self.is_stopped:
+            self.is_stopped, self.goal = True, self.q
 
 
 class MisreadArm(ServoArm):
@@ -48,10 +71,11 @@ class MisreadBrakingArm(BrakingArm):
         return self.q + self.off * SECOND
 
 
-def test_an_arm_that_hangs_below_its_goal_sinks_by_no_activation() -> None:
-    driven = DrivenArm(HangingArm).active()
+@pytest.mark.parametrize("kind", [HangingArm, HangingBrakingArm, SettlingArm])
+def test_an_arm_that_hangs_below_its_goal_sinks_by_no_activation(kind: type[ServoArm]) -> None:
+    driven = DrivenArm(kind).active()
     driven.command(0.0)
-    driven.turns(300)
+    driven.turns(600)
     hung = driven.arm.q.copy()
     for _ in range(5):
         driven.driver.stop()
@@ -59,7 +83,7 @@ def test_an_arm_that_hangs_below_its_goal_sinks_by_no_activation() -> None:
         q = driven.reading().q
         driven.driver.activate(q)
         driven.command(0.0, at=q)
-        driven.turns(300)
+        driven.turns(600)
     assert driven.arm.q == pytest.approx(hung, abs=1e-6)
 
 
@@ -85,9 +109,28 @@ def test_an_arm_that_is_read_farther_away_than_it_can_hang_is_not_activated_ther
     driven.driver.activate(driven.reading().q)
 
 
+@pytest.mark.parametrize("kind", [MisreadArm, MisreadBrakingArm])
+def test_an_arm_that_is_misread_by_no_more_than_it_can_hang_stays_where_it_is(kind: type[ServoArm]) -> None:
+    driven = DrivenArm(kind).active()
+    driven.command(0.0)
+    driven.turns(300)
+    driven.driver.stop()
+    driven.turns(500)
+    driven.arm.off = 0.04
+    driven.turns(500)
+    rested = driven.arm.q.copy()
+    q = driven.reading().q
+    driven.driver.activate(q)
+    driven.command(0.0, at=q)
+    driven.turns(300)
+    assert driven.arm.q == pytest.approx(rested, abs=1e-6)
+
+
+@pytest.mark.parametrize("silent_ms", [0, 400])
 @pytest.mark.parametrize("kind", [ServoArm, BrakingArm])
-def test_an_arm_that_was_stopped_in_motion_is_activated_where_it_rests(kind: type[ServoArm]) -> None:
+def test_an_arm_that_was_stopped_in_motion_is_activated_where_it_rests(kind: type[ServoArm], silent_ms: float) -> None:
     driven = DrivenArm(kind).active().at_speed(1.5)
+    driven.turns(silent_ms)  # beyond the time-out, which stops it, too
     driven.driver.stop()
     driven.turns(1500)
     rested = driven.arm.q.copy()
@@ -97,3 +140,18 @@ def test_an_arm_that_was_stopped_in_motion_is_activated_where_it_rests(kind: typ
     driven.command(0.0, at=q)
     driven.turns(300)
     assert driven.arm.q == pytest.approx(rested, abs=0.01)
+
+
+def test_an_arm_that_was_stopped_before_it_was_where_it_was_sent_stays_where_it_rests() -> None:
+    driven = DrivenArm(StopsHard).active().at_speed(1.0)
+    driven.command(0.3)
+    driven.turns(10)
+    driven.driver.stop()
+    driven.turns(500)
+    rested = driven.arm.q.copy()
+    assert 0.005 < START[0] + 0.3 - rested[0] < 0.05
+    q = driven.reading().q
+    driven.driver.activate(q)
+    driven.command(0.0, at=q)
+    driven.turns(100)
+    assert driven.arm.q == pytest.approx(rested, abs=1e-6)

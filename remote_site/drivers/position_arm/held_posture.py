@@ -1,0 +1,54 @@
+"""Where a position arm holds after a stop, by what it was sent and where it is read; pure."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from common.clock import NS_PER_S
+from common.errors import DriverError
+from common.geometry import Array
+from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import JointLimits
+from remote_site.safety.stopping import stop_time, stopping
+
+HANGS_RAD = 0.05  # at most, at rest, from where it was sent: by its load, and what its stop rounds
+RESTS_RAD_S, NEGLIGIBLE_RAD = 1e-3, 1e-3
+
+
+class HeldPosture:
+    """Of one arm with so many `joints`, which is where it was sent after `lag_s` at most.
+
+    With `brakes` it stops by its own means: how far a joint goes on then, and where it holds, nobody knows exactly.
+    """
+
+    def __init__(self, joints: int, lag_s: float, *, brakes: bool) -> None:
+        self._lag_s, self._brakes = lag_s, brakes
+        self._moved_ns = np.full(joints, -(2**62))  # when each joint was sent on last
+        self._braked = np.zeros(joints, dtype=bool)
+        self._way = np.zeros(joints)  # rad, at most, from where it was sent to where it rests
+
+    def sent(self, motion: JointMotion, now_ns: int) -> None:
+        """The arm was sent on."""
+        self._moved_ns[np.abs(motion.dq) > RESTS_RAD_S] = now_ns
+
+    def stopped(self, motion: JointMotion, limits: JointLimits, now_ns: int) -> None:
+        """A stop begins, and `motion` was sent last."""
+        if not self._brakes:
+            return
+        rest = stopping(motion, limits, stop_time(motion, limits))
+        self._way = np.abs(rest.q - motion.q) + np.abs(motion.dq) * self._lag_s
+        self._braked = (now_ns - self._moved_ns <= self._lag_s * NS_PER_S) | (self._way > NEGLIGIBLE_RAD)
+
+    def hang(self, names: Sequence[str], sent: Array, q: Array) -> Array:
+        """How far (n,) the arm holds from where it is read, `q` (n,), after it was `sent` (n,) somewhere; all in rad.
+
+        A joint that its own stop has braked is led on from where it is read. DriverError where it cannot be there.
+        """
+        beyond = np.abs(q - sent) - self._way
+        if not beyond.max() <= HANGS_RAD:
+            k = int(beyond.argmax())
+            raise DriverError(
+                f"{names[k]} is read at {q[k]:.3f} rad, and was sent to {sent[k]:.3f} rad last: check its "
+                "sensor; where the arm was moved by hand, start the remote site again"
+            )
+        return np.where(self._braked, 0.0, sent - q)
