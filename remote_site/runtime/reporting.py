@@ -4,6 +4,8 @@ import math
 import secrets
 from collections.abc import Callable, Mapping
 
+from msgspec.structs import replace
+
 from common.link.pubsub import Publisher
 from common.messages.base import SESSION_BITS
 from common.messages.robot import (
@@ -75,21 +77,25 @@ class Reporter:
         self._seq += 1
         if self._seq % STATES_PER_TIMING == 0:
             self._timing = self._measure_timing()
-        lease, report = _lease(snapshot.lease), driven.report
         self._site.show_lease(snapshot.lease.lease)
-        answer, following = snapshot.readiness, snapshot.state is SessionState.ENGAGED
-        hand_link = judged(snapshot.hand_link, snapshot.age_limit_ms, one_host=self._one_host)
-        video_link = self._site.video_link
-        code, reason = answer.reason.code.value, answer.reason.sentence
-        self._link_log.note_limit(snapshot.age_limit_ms, snapshot.speed_scale, code, reason)
-        self._link_log.note(hand_link, video_link, snapshot.now_ns)
-        state = RobotState(
+        state = self._completed(self._state(snapshot, driven, malformed), snapshot, driven)
+        readiness = state.readiness
+        self._link_log.note_limit(state.age_limit_ms, state.speed_scale, readiness.code, readiness.reason)
+        self._link_log.note(state.hand_link, state.video_link, snapshot.now_ns)
+        self._publisher.put(state)
+        self.summary.note(state, snapshot.now_ns)
+        return self._publisher.payload_bytes
+
+    def _state(self, snapshot: Snapshot, driven: DrivenPipeline, malformed: Mapping[str, int]) -> RobotState:
+        """What every state has: the robot, the session, and how well the loop runs."""
+        report, reason = driven.report, snapshot.reason
+        return RobotState(
             session=self._session,
             seq=self._seq,
             t_ns=report.t_ns,
             state=snapshot.state,
-            code=snapshot.reason.code.value,
-            reason=snapshot.reason.sentence,
+            code=reason.code.value,
+            reason=reason.sentence,
             age_limit_ms=snapshot.age_limit_ms,
             speed_scale=snapshot.speed_scale,
             q=tuple(report.q.tolist()),
@@ -102,27 +108,36 @@ class Reporter:
             engagement=snapshot.engagement,
             rejected={code.value: count for code, count in snapshot.rejected.items()} | dict(malformed),
             timing=self._timing,
-            lease=lease,
+            lease=_lease(snapshot.lease),
             clock=snapshot.clock,
-            readiness=Readiness(answer.done, code, reason, snapshot.held),
-            min_distance=_finite(self._collision.distance(report.q)),
-            target=Pose.from_transform(snapshot.target) if following else None,
+            readiness=_readiness(snapshot),
+        )
+
+    def _completed(self, state: RobotState, snapshot: Snapshot, driven: DrivenPipeline) -> RobotState:
+        """The same with what not every state has: of an arm that follows, its links, and what a site is set up for."""
+        follows = snapshot.state is SessionState.ENGAGED
+        return replace(
+            state,
+            min_distance=_finite(self._collision.distance(driven.report.q)),
+            target=Pose.from_transform(snapshot.target) if follows else None,
             traced=self._tracing.traced,
             settings=snapshot.settings,
-            reference=snapshot.reference if following else None,
-            hand_link=hand_link,
-            video_link=video_link,
+            reference=snapshot.reference if follows else None,
+            hand_link=judged(snapshot.hand_link, snapshot.age_limit_ms, one_host=self._one_host),
+            video_link=self._site.video_link,
             assist=snapshot.assist,
             recording=self._tap.state(snapshot.now_ns) if self._tap is not None else None,
         )
-        self._publisher.put(state)
-        self.summary.note(state, snapshot.now_ns)
-        return self._publisher.payload_bytes
 
 
 def loop_timing(rate: Rate, *, real_time: bool) -> LoopTiming:
     """How well the control loop keeps its rate, and whether the kernel schedules it in real time."""
     return LoopTiming(rate.hz, rate.late_us(LATE_PERCENTILE), rate.missed, rate.ticks, real_time)
+
+
+def _readiness(snapshot: Snapshot) -> Readiness:
+    answer = snapshot.readiness
+    return Readiness(answer.done, answer.reason.code.value, answer.reason.sentence, snapshot.held)
 
 
 def _lease(status: LeaseStatus) -> LeaseState | None:
