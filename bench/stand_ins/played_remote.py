@@ -55,7 +55,7 @@ def run() -> None:
     """The command line of Farhand, with played cameras."""
     folder = Path(sys.argv.pop(1))
 
-    def open_sources(config: VideoConfig, _: SimulatedViews | None) -> list[FrameSource]:
+    def open_sources(config: VideoConfig, _: SimulatedViews | None, _lost: object) -> list[FrameSource]:
         names = [camera.name for camera in config.cameras]
         phase_ns = FRAME_NS // len(names)
         images = [np.load(folder / f"{name}.npy", mmap_mode="r") for name in names]

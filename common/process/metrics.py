@@ -2,11 +2,11 @@
 
 import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Protocol, TypeVar
 
 from prometheus_client import CollectorRegistry, start_http_server
-from prometheus_client.core import GaugeMetricFamily, Metric
+from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
 from common.errors import TransportError
@@ -38,6 +38,14 @@ class MetricsSource(Protocol[Message_contra]):
 def gauge(name: str, meaning: str, value: float) -> GaugeMetricFamily:
     """A metric without labels that rises and falls."""
     return GaugeMetricFamily(name, meaning, value=value)
+
+
+def lost_pictures(lost: Mapping[str, int]) -> CounterMetricFamily:
+    """What each camera of a site has lost, by its name."""
+    family = CounterMetricFamily("farhand_camera_lost_pictures", "Pictures that did not come whole", labels=["camera"])
+    for camera, count in lost.items():
+        family.add_metric([camera], count)
+    return family
 
 
 class AtScrape(Collector):

@@ -4,6 +4,7 @@ import threading
 from collections.abc import Sequence
 
 from common.cameras.camera import Camera
+from common.cameras.lost_pictures import LostPictures
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import CameraError
 from local_site.acquisition.pairing import Pairing, PairingConfig
@@ -15,12 +16,15 @@ FRAME_S, JOIN_S = 0.2, 1.0
 class Capture:
     """Live cameras, paired to views; views that were not taken in time are replaced by newer ones.
 
-    `longest_wait_s` is how long to wait for views, as configured.
+    `longest_wait_s` is how long to wait for views, as configured; what cameras lose is counted in `lost`.
     """
 
-    def __init__(self, cameras: Sequence[Camera], config: PairingConfig, clock: Clock) -> None:
+    def __init__(
+        self, cameras: Sequence[Camera], config: PairingConfig, clock: Clock, lost: LostPictures | None = None
+    ) -> None:
         self._cameras = tuple(cameras)
         self._clock = clock
+        self._lost = lost or LostPictures([camera.name for camera in cameras])
         self.longest_wait_s = config.longest_wait_ms * NS_PER_MS / NS_PER_S
         self._pairing = Pairing([camera.name for camera in cameras], config, clock.now_ns())
         self._changed = threading.Condition()
@@ -65,9 +69,14 @@ class Capture:
             thread.join(JOIN_S)
 
     def _read(self, k: int) -> None:
-        failure = f"camera {self._cameras[k].name} has come to its end"
+        camera = self._cameras[k]
+        failure, note_lost = (
+            f"camera {camera.name} has come to its end",
+            self._lost.follow(self._lost.cameras[k], camera),
+        )
         try:
-            while not self._closing and (frame := self._cameras[k].read()) is not None:
+            while not self._closing and (frame := camera.read()) is not None:
+                note_lost()
                 with self._changed:
                     views = self._pairing.feed(k, frame)
                     if views is not None:
@@ -75,6 +84,7 @@ class Capture:
                         self._changed.notify_all()
         except CameraError as error:
             failure = str(error)
+        note_lost()
         with self._changed:
             self._failure = self._failure or failure
             self._reading -= 1

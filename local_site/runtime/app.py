@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import structlog
 
+from common.cameras.lost_pictures import LostPictures
 from common.clock import MonotonicClock
 from common.errors import FarhandError
 from common.link.channels import HAND, PREVIEW, STATE
@@ -45,12 +46,12 @@ def run_local(
     start_log("local", log_format)
     check_links((config.links.remote, config.links.listen), config.links, config.bearer)
     check_free(config.links.listen, config.links)
-    children = Children("local")
+    children, lost = Children("local"), LostPictures(CAMERAS[: len(config.operator.sources)])
     if config.metrics.port:
         check_free(config.metrics.endpoint, config.links)
-        children.start("metrics", partial(_metrics, config), vital=False)
+        children.start("metrics", partial(_metrics, config, lost), vital=False)
     try:
-        _run(config, should_stop, save_views)
+        _run(config, should_stop, save_views, lost)
     except FarhandError as error:
         structlog.get_logger().error("ending", reason=str(error))
         raise
@@ -59,20 +60,20 @@ def run_local(
     log_end()
 
 
-def _metrics(config: LocalConfig, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
+def _metrics(config: LocalConfig, lost: LostPictures, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
     from common.process.metrics import run_metrics  # noqa: PLC0415  # imported only where figures are served
     from local_site.runtime.figures import LocalFigures  # noqa: PLC0415  # the same
 
     port, links, beat = config.metrics.port, config.links, heartbeat.beat
-    operator = config.authority.name
-    run_metrics(port, links.listen, HAND, config.cell, LocalFigures(), should_stop, beat, links, operator=operator)
+    operator, figures = config.authority.name, LocalFigures(lost)
+    run_metrics(port, links.listen, HAND, config.cell, figures, should_stop, beat, links, operator=operator)
 
 
-def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) -> None:
+def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None, lost: LostPictures) -> None:
     cv2.setNumThreads(1)
     warm_up(config.tracking)
     with ExitStack() as stack:
-        site = _open_site(config, stack)
+        site = _open_site(config, stack, lost)
         ask_for_real_time(FIFO_PRIORITY)
         notify("READY=1")
         structlog.get_logger().info("ready", cell=config.cell, remote=config.links.remote)
@@ -87,13 +88,13 @@ def _run(config: LocalConfig, should_stop: StopFlag, save_views: Path | None) ->
             site.save_views(save_views)
 
 
-def _open_site(config: LocalConfig, stack: ExitStack) -> LocalSite:
+def _open_site(config: LocalConfig, stack: ExitStack, lost: LostPictures) -> LocalSite:
     """Fork the children, open cameras and link, and connect them; the stack closes them, the link first."""
     clock, cell, links, wanted = MonotonicClock(), config.cell, config.links, config.authority
     operator = open_operator(config.operator, config.simulation, config.tracking, clock)
     drawing = PreviewProcess(config.preview, operator.rig.matrices)
     stack.callback(drawing.close)
-    capture = Capture(operator.cameras, config.capture, clock)
+    capture = Capture(operator.cameras, config.capture, clock, lost)
     stack.callback(capture.close)
     stack.callback(notify, "STOPPING=1")
     link = stack.enter_context(

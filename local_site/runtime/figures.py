@@ -5,17 +5,22 @@ from collections.abc import Iterator
 from prometheus_client import Histogram
 from prometheus_client.core import CounterMetricFamily, Metric
 
+from common.cameras.lost_pictures import LostPictures
 from common.clock import NS_PER_S
 from common.messages.hand import HandArm, TrackingStatus
-from common.process.metrics import gauge
+from common.process.metrics import gauge, lost_pictures
 
 AGE_BUCKETS_S = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5)
 
 
 class LocalFigures:
-    """Counts every hand sample of this site; one thread calls `observe`, another `families`."""
+    """Counts every hand sample of this site; one thread calls `observe`, another `families`.
 
-    def __init__(self) -> None:
+    `lost` is what the operator's cameras have lost.
+    """
+
+    def __init__(self, lost: LostPictures) -> None:
+        self._lost = lost
         self._sample: HandArm | None = None
         self._received_ns = 0
         self._samples = dict.fromkeys(TrackingStatus, 0)
@@ -33,7 +38,8 @@ class LocalFigures:
         self._sample, self._received_ns = sample, now_ns
 
     def families(self, now_ns: int) -> Iterator[Metric]:
-        """All figures at this time; none before the first sample."""
+        """All figures at this time; before the first sample, those of the cameras only."""
+        yield lost_pictures(self._lost.read())
         sample = self._sample
         if sample is None:
             return

@@ -203,7 +203,7 @@ def _video(
         wire = VideoWire(publish, shown, lambda: site.lease, key_frames, site.show_video_link, has_listener)
         look = _marker_look(config, assist) if assist is not None else None
         full = FullPictures(config.video, tap) if tap is not None else None
-        run_video(config.video, views, wire, should_stop, heartbeat.beat, look, full)
+        run_video(config.video, views, wire, should_stop, heartbeat.beat, look, full, tally.lost)
 
 
 def _assist_memory(config: RemoteConfig) -> AssistMemory | None:

@@ -7,7 +7,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 
 from common.clock import NS_PER_S
 from common.messages.robot import Obeyed, RobotState, SessionState
-from common.process.metrics import gauge
+from common.process.metrics import gauge, lost_pictures
 from remote_site.video.process import VideoTally
 
 LATENCY_BUCKETS_S = (0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1, 0.15, 0.2, 0.3, 0.5)
@@ -79,7 +79,7 @@ class RemoteFigures:
             size.add_metric([camera], tally.picture_bytes)
             if tally.capture_ns:
                 age.add_metric([camera], (now_ns - tally.capture_ns) / NS_PER_S)
-        yield from (frames, size, age)
+        yield from (frames, size, age, lost_pictures(self._video.lost.read()))
 
 
 def _of_control(state: RobotState) -> Iterator[Metric]:

@@ -12,6 +12,7 @@ import numpy as np
 import structlog
 
 from common.cameras.camera import Frame
+from common.cameras.lost_pictures import LostPictures
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import CameraError, MessageError
 from common.link.channels import KEY_FRAMES
@@ -54,10 +55,10 @@ class CameraTally:
 
 
 class VideoTally:
-    """Counts of every camera; one process writes, others read. Create it before the fork."""
+    """Counts of every camera, and of what it has `lost`; one process writes, others read. Create it before the fork."""
 
     def __init__(self, cameras: Sequence[str]) -> None:
-        self.cameras = tuple(cameras)
+        self.cameras, self.lost = tuple(cameras), LostPictures(cameras)
         memory = mmap.mmap(-1, len(self.cameras) * FIELDS * COUNT_BYTES)
         self._counts = np.frombuffer(memory, dtype=np.int64).reshape(len(self.cameras), FIELDS)
 
@@ -76,10 +77,11 @@ class VideoTally:
         return CameraTally(dict(zip(STATUSES, counts, strict=False)), *counts[BYTES:])
 
     def sentences(self) -> dict[str, str]:
-        """How many messages of all cameras were sent by status, and how old the oldest live picture was."""
+        """How many messages of all cameras were sent by status, how old the oldest live picture was, what was lost."""
         every = [self.read(camera) for camera in self.cameras]
         sent = {status: sum(tally.frames[status] for tally in every) for status in STATUSES}
         others = [f"{count} {status}" for status, count in sent.items() if count and status is not CameraStatus.LIVE]
+        others += [f"{count} lost" for count in [sum(self.lost.read().values())] if count]
         oldest_ms = max((tally.oldest_ns for tally in every), default=0) / NS_PER_MS
         live = f"{sent[CameraStatus.LIVE]} live, the oldest {oldest_ms:.0f} ms from exposure to sending"
         return {"pictures": ", ".join([live, *others])} if any(sent.values()) else {}
@@ -212,14 +214,16 @@ def run_video(
     beat: Callable[[], None],
     markers: MarkerLook | None = None,
     full: FullPictures | None = None,
+    lost: LostPictures | None = None,
 ) -> None:
     """Stream every camera until `should_stop`; `views` is None where no cell is simulated.
 
     While the operator's console shows pictures, `markers` are looked for in them. `full` gets all while it wants them.
+    What cameras lose is counted in `lost`.
     Raises ConfigError for a simulated camera without a cell, CameraError when views cannot be rendered here.
     """
     cv2.setNumThreads(1)
-    slots = _open_slots(config, open_sources(config, views))
+    slots = _open_slots(config, open_sources(config, views, lost))
     be_nice(config.nice)  # not before: nothing moves until the site is ready, and on a busy machine that would be late
     requests = _KeyFrameRequests(wire.key_frames, {slot.source.name: slot.stream for slot in slots})
     console = _Console(wire, Adaptation(config, h264=_encodes_h264(config.codec)))

@@ -9,6 +9,7 @@ from typing import Protocol
 
 from common.cameras.camera import Camera, Frame
 from common.cameras.live import LiveCamera
+from common.cameras.lost_pictures import LostPictures
 from common.cameras.sources import open_camera
 from common.clock import NS_PER_S
 from common.errors import CameraError, ConfigError
@@ -45,9 +46,9 @@ class ThreadedCamera:
 
     noise_free = False
 
-    def __init__(self, name: str, open_it: Callable[[], Camera]) -> None:
+    def __init__(self, name: str, open_it: Callable[[], Camera], lost: LostPictures | None = None) -> None:
         self.name = name
-        self._open_it = open_it
+        self._open_it, self._lost = open_it, lost or LostPictures([name])
         self._frame: Frame | None = None
         self._failure = ""
         self._ended = threading.Event()
@@ -77,25 +78,28 @@ class ThreadedCamera:
 
     def _read(self, camera: Camera) -> None:
         start_ns = 0 if isinstance(camera, LiveCamera) else time.monotonic_ns()
+        note_lost = self._lost.follow(self.name, camera)
         try:
             while not self._ended.is_set():
                 frame = camera.read()
+                note_lost()
                 if frame is None:
                     raise CameraError(f"camera {self.name}: the recording has ended")
                 capture_ns = start_ns + frame.capture_ns
                 self._ended.wait(max(0.0, (capture_ns - time.monotonic_ns()) / NS_PER_S))
                 self._frame = replace(frame, capture_ns=capture_ns)
         finally:
+            note_lost()
             camera.close()
 
 
-def open_sources(config: VideoConfig, views: SimulatedViews | None) -> list[FrameSource]:
-    """All cameras in the order of the configuration.
+def open_sources(config: VideoConfig, views: SimulatedViews | None, lost: LostPictures | None) -> list[FrameSource]:
+    """All cameras in the order of the configuration; what real ones lose is counted in `lost`.
 
     Raises ConfigError for a simulated camera without a cell, CameraError when views cannot be rendered here.
     """
     simulated = _open_simulated(config, views)
-    return [simulated.get(camera.name) or _open_live(camera, config.fps) for camera in config.cameras]
+    return [simulated.get(camera.name) or _open_live(camera, config.fps, lost) for camera in config.cameras]
 
 
 def _open_simulated(config: VideoConfig, views: SimulatedViews | None) -> dict[str, FrameSource]:
@@ -111,5 +115,6 @@ def _open_simulated(config: VideoConfig, views: SimulatedViews | None) -> dict[s
     return {camera.name: camera for camera in open_cell_cameras(names, cell, snapshot, config)}
 
 
-def _open_live(camera: CameraConfig, fps: float) -> FrameSource:
-    return ThreadedCamera(camera.name, partial(open_camera, camera.source, camera.name, fps, camera.latency_ms))
+def _open_live(camera: CameraConfig, fps: float, lost: LostPictures | None) -> FrameSource:
+    open_it = partial(open_camera, camera.source, camera.name, fps, camera.latency_ms)
+    return ThreadedCamera(camera.name, open_it, lost)

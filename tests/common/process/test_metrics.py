@@ -4,11 +4,13 @@ import socket
 import threading
 import time
 import urllib.request
+from collections.abc import Callable
 
 import msgspec
 import pytest
 from prometheus_client import CollectorRegistry
 
+from common.cameras.lost_pictures import LostPictures
 from common.errors import TransportError
 from common.link.channels import STATE
 from common.link.transport import open_link
@@ -21,16 +23,24 @@ from farhand.loopback.site_process import free_ports
 from local_site.runtime.figures import LocalFigures
 from remote_site.runtime.figures import RemoteFigures
 from remote_site.video.process import VideoTally
+from tests.common.cameras.losing_camera import MOST, PER_FRAME, LosingCamera
 from tests.common.messages.golden_examples import HAND, VIDEO
 from tests.common.messages.golden_examples import STATE as TOLD
 
 with_ = msgspec.structs.replace
+Follow = Callable[[str, LosingCamera], Callable[[], None]]
 HEARD_NS = 5_000_000_000
 
 
 @pytest.fixture(autouse=True)
 def the_tests_do_not_give_way(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("common.process.metrics.be_nice", lambda _increment: None)
+
+
+def losing(name: str, follow: Follow) -> tuple[LosingCamera, Callable[[], None]]:
+    """A camera that is opened, and what counts what it loses."""
+    camera = LosingCamera(name)
+    return camera, follow(name, camera)
 
 
 def read(figures: MetricsSource, name: str, **labels: str) -> float | None:
@@ -87,17 +97,37 @@ def test_video_is_told_camera_by_camera() -> None:
     assert read(figures, "farhand_video_age_seconds", camera="front") is None
 
 
+def test_what_cameras_lose_is_told_by_both_sites() -> None:
+    tally, lost = VideoTally(["front", "side"]), LostPictures(["left", "right"])
+    at_remote, at_local = RemoteFigures(tally), LocalFigures(lost)
+    for camera, note in (
+        losing("side", tally.lost.follow),
+        losing("side", tally.lost.follow),
+        losing("left", lost.follow),
+    ):
+        for _ in range(MOST):
+            camera.read()
+            note()
+    told = {name: read(at_remote, "farhand_camera_lost_pictures_total", camera=name) for name in ("front", "side")}
+    assert told == {"front": 0, "side": 2 * MOST * PER_FRAME}
+    told = {name: read(at_local, "farhand_camera_lost_pictures_total", camera=name) for name in ("left", "right")}
+    assert told == {"left": MOST * PER_FRAME, "right": 0}
+
+
 def test_at_the_end_the_pictures_of_all_cameras_are_told_with_the_oldest_of_the_live_ones() -> None:
     tally = VideoTally(["front", "side"])
     assert tally.sentences() == {}
     live = with_(VIDEO, camera="side", status=CameraStatus.LIVE, data=b"12345", capture_ns=HEARD_NS)
     for age_ms, frame in ((95, live), (20, with_(live, camera="front")), (700, with_(live, status=CameraStatus.DARK))):
         tally.note(frame, HEARD_NS + age_ms * 1_000_000)
-    assert tally.sentences() == {"pictures": "2 live, the oldest 95 ms from exposure to sending, 1 dark"}
+    camera, note = losing("side", tally.lost.follow)
+    camera.read()
+    note()
+    assert tally.sentences() == {"pictures": "2 live, the oldest 95 ms from exposure to sending, 1 dark, 2 lost"}
 
 
 def test_the_local_site_tells_of_its_samples() -> None:
-    figures = LocalFigures()
+    figures = LocalFigures(LostPictures(["left"]))
     assert read(figures, "farhand_hand_age_seconds") is None
     tracked = with_(HAND, status=TrackingStatus.TRACKED, capture_ns=HEARD_NS - 40_000_000, lease=7)
     figures.observe(tracked, HEARD_NS)
@@ -146,7 +176,9 @@ def page_at(port: int) -> str:
 def test_a_port_that_is_taken_is_told() -> None:
     (port,) = free_ports(1)
     with open_link(listen=(f"tcp/127.0.0.1:{port}",)) as _, pytest.raises(TransportError, match=r"metrics\.port"):
-        run_metrics(port, f"tcp/127.0.0.1:{port}", STATE, "c", LocalFigures(), StopFlag(), lambda: None)
+        run_metrics(
+            port, f"tcp/127.0.0.1:{port}", STATE, "c", LocalFigures(LostPictures(["left"])), StopFlag(), lambda: None
+        )
 
 
 def test_a_request_that_does_not_end_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,12 +6,14 @@ import threading
 import numpy as np
 
 from common.cameras.camera import Frame
+from common.cameras.lost_pictures import LostPictures
 from common.clock import NS_PER_MS, FakeClock, MonotonicClock
 from common.errors import CameraError
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.pairing import PairingConfig
 from local_site.acquisition.simulated_cameras import SimulatedCameras
 from local_site.simulation.config import SimulationConfig, StereoConfig
+from tests.common.cameras.losing_camera import LOST, LosingCamera
 
 WAIT_S = 20.0
 
@@ -140,3 +142,12 @@ def test_a_camera_is_not_closed_while_it_gives_a_frame():
     capture.close()
     assert done.count("closed") == 1
     assert done[-1] == "closed"
+
+
+def test_what_the_operators_cameras_lose_is_counted():
+    lost = LostPictures(["left", "right"])
+    capture = Capture([ScriptedCamera("A"), LosingCamera("B")], PairingConfig(), FakeClock(0), lost)
+    capture.next(WAIT_S)
+    assert capture.ended
+    capture.close()
+    assert lost.read() == {"left": 0, "right": LOST}

@@ -14,6 +14,7 @@ import pytest
 from structlog.testing import capture_logs
 
 from common.cameras.camera import Frame
+from common.cameras.lost_pictures import LostPictures
 from common.errors import CameraError, ConfigError, MessageError
 from common.messages.video import (
     CameraStatus,
@@ -26,6 +27,7 @@ from remote_site.video import process, sources
 from remote_site.video.config import CameraConfig, VideoConfig
 from remote_site.video.process import LeaseInForce, VideoWire, run_video
 from remote_site.video.sources import ThreadedCamera
+from tests.common.cameras.losing_camera import LOST, LosingCamera
 
 SIMULATED_RUN = """
 import json, time
@@ -155,6 +157,24 @@ def test_a_camera_that_fails_says_so_and_is_opened_again(monkeypatch):
     camera.close()
     assert len(openings) >= 3
     assert failures
+
+
+def test_what_a_camera_loses_is_counted_over_its_openings(monkeypatch):
+    monkeypatch.setattr("remote_site.video.sources.REOPEN_S", 0.001)
+    lost, openings = LostPictures(["front", "side"]), []
+    third = threading.Event()
+
+    def open_it() -> LosingCamera:
+        openings.append(1)
+        if len(openings) > 2:
+            third.set()
+            raise CameraError("unplugged")
+        return LosingCamera("side")
+
+    camera = ThreadedCamera("side", open_it, lost)
+    assert third.wait(5)
+    camera.close()
+    assert lost.read() == {"front": 0, "side": 2 * LOST}
 
 
 class Endless:

@@ -1,0 +1,37 @@
+"""How many pictures live cameras have lost: counted by the process that reads them, read by others."""
+
+import mmap
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from common.cameras.camera import Camera
+from common.cameras.live import LiveCamera
+
+COUNT_BYTES = 8
+
+
+class LostPictures:
+    """One count for each of `cameras`, also over several openings. Create it before the fork."""
+
+    def __init__(self, cameras: Sequence[str]) -> None:
+        self.cameras = tuple(cameras)
+        memory = mmap.mmap(-1, len(self.cameras) * COUNT_BYTES)
+        self._counts = np.frombuffer(memory, dtype=np.int64)
+
+    def read(self) -> dict[str, int]:
+        """The count of each camera so far."""
+        return dict(zip(self.cameras, self._counts.tolist(), strict=True))
+
+    def follow(self, name: str, camera: Camera) -> Callable[[], None]:
+        """What to call after each reading of a camera opened under this name: it counts what was lost since."""
+        row = self._counts[self.cameras.index(name) :]
+        noted = 0
+
+        def note() -> None:
+            nonlocal noted
+            if isinstance(camera, LiveCamera):
+                row[0] += camera.lost - noted
+                noted = camera.lost
+
+        return note
