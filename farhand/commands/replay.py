@@ -28,9 +28,10 @@ def replay(
     """Show a recording on the operator's page, until Ctrl-C; or verify it, or run it on a robot.
 
     The page is served to this host only. With --verify every recorded input goes through today's control pipeline: exit
-    code 0 if every command comes again, 1 if one differs. With --to-robot (--config and --set are the local site's) the
-    recorded hand is published in place of the tracked one: it moves the arm only while a person who has engaged on the
-    operator's page holds the key, and begins with a slow approach from where the arm stands.
+    code 0 if every command comes again, 1 if one differs, as it may where another release recorded it. With --to-robot
+    (--config and --set are the local site's) the recorded hand is published in place of the tracked one: it moves the
+    arm only while a person who has engaged on the operator's page holds the key, and begins with a slow approach from
+    where the arm stands.
 
     Example: farhand replay recordings/20260102T030405Z_cell_001.mcap
     """
@@ -60,13 +61,15 @@ def _verify(file: Path, folder: Path) -> None:
     from rich.progress import Progress
 
     from farhand.exit_codes import FAILED
-    from farhand.replay.recorded_cycles import cycle_count, recorded_cycles, recorded_pipeline
+    from farhand.replay.recorded_cycles import cycle_count, other_release, recorded_cycles, recorded_pipeline
     from farhand.replay.verify import verify
 
     with Progress(console=Console(stderr=True)) as bar:
         pipeline = recorded_pipeline(file, folder)
         task = bar.add_task("verifying", total=cycle_count(file))
         verdict = verify(recorded_cycles(file), pipeline, lambda: bar.advance(task))
-    say(verdict.in_words())
-    if verdict.difference is not None:
-        raise typer.Exit(FAILED)
+    if verdict.difference is None:
+        say(verdict.in_words())
+        return
+    say(verdict.in_words(other_release(file)))
+    raise typer.Exit(FAILED)

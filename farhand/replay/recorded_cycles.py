@@ -1,6 +1,7 @@
 """The control cycles of a recording, and the pipeline that they went through."""
 
 from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree
@@ -8,17 +9,22 @@ from xml.etree import ElementTree
 import msgspec
 
 from common.errors import MessageError, RecordingError
+from common.messages.base import PROTOCOL_VERSION
 from common.recording.folder import parts_from
 from common.recording.reader import RecordingReader, as_recorded
+from common.text import cut
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.kinematics.meshes import place_meshes
 from remote_site.recording.cycle_record import CycleOutcome, decode_input, decode_outcome
 from remote_site.recording.kept_config import decode_config
 from remote_site.recording.topics import CYCLE_INPUT, CYCLE_OUTCOME
-from remote_site.recording.transcript import CONFIG_FILE, URDF_FILE
+from remote_site.recording.transcript import CELL_TABLE, CONFIG_FILE, URDF_FILE
 from remote_site.teleop.cycle import CycleInput
 from remote_site.teleop.pipeline import TeleopPipeline
+
+
+SHOWN_WORDS = 40  # of a table that a stranger may have written
 
 
 class RecordedCycle(NamedTuple):
@@ -65,6 +71,19 @@ def with_urdf(config: RemoteConfig, urdf: bytes, folder: Path) -> RemoteConfig:
     place_meshes(config.robot.urdf.parent, robot.iter("mesh"))
     written.write_bytes(ElementTree.tostring(robot))
     return msgspec.structs.replace(config, robot=msgspec.structs.replace(config.robot, model=str(written)))
+
+
+def other_release(path: Path) -> str:
+    """Which release recorded this file, and which this is, as a sentence's beginning; empty where both are one."""
+    with RecordingReader(path) as recording, as_recorded(path):
+        table = recording.table(CELL_TABLE)
+        recorder = _release(table["software"], table["protocol"])
+    today = _release(version("farhand"), str(PROTOCOL_VERSION))
+    return "" if recorder == today else f"recorded by {recorder}, and this is {today}"
+
+
+def _release(software: str, protocol: str) -> str:
+    return f"Farhand {cut(software, SHOWN_WORDS)} with wire protocol {cut(protocol, SHOWN_WORDS)}"
 
 
 def cycle_count(path: Path) -> int:

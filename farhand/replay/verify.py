@@ -44,11 +44,13 @@ class ReplayVerdict:
     worst_rad: float
     difference: Difference | None
 
-    def in_words(self) -> str:
-        """One sentence for a person."""
+    def in_words(self, other_release: str = "") -> str:
+        """One sentence for a person; `other_release` says which recorded it, empty where it was this one."""
         found = self.difference
         if found is not None:
-            return f"cycle {found.cycle}, {found.at_s:.3f} s after the first, comes out otherwise: {found.what}"
+            said = f"cycle {found.cycle}, {found.at_s:.3f} s after the first, comes out otherwise: {found.what}"
+            cure = "its rules may be others: verify it with the release that recorded it"
+            return f"{other_release}: {said}; {cure}" if other_release else said
         how = "bit for bit" if self.worst_rad == 0.0 else f"to {self.worst_rad:.1e} rad"
         return f"all {self.cycles} control cycles give the same commands, {how}"
 

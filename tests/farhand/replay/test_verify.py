@@ -1,6 +1,7 @@
 """A recording's inputs through today's pipeline: the same commands, or the first cycle that differs."""
 
 from dataclasses import replace
+from importlib import metadata
 from pathlib import Path
 
 import msgspec
@@ -9,6 +10,7 @@ from typer.testing import CliRunner
 
 import farhand.replay.recorded_cycles as recorded_module
 from common.errors import RecordingError
+from common.messages.base import PROTOCOL_VERSION
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from common.recording.folder import parts_from
@@ -95,6 +97,23 @@ def test_a_decision_that_differs_is_named(cycles, pipeline):
     verdict = verify(altered, pipeline)
     assert verdict.difference is not None
     assert verdict.in_words().endswith("held was True, is False")
+
+
+def test_what_another_release_recorded_and_decided_otherwise_is_said_to_be_of_another_release(
+    cycles, recording, monkeypatch
+):
+    altered = [c._replace(outcome=c.outcome._replace(held=True)) for c in cycles]
+    monkeypatch.setattr(recorded_module, "_cycles_in", lambda _: iter(altered))
+    said = []
+    for today in (metadata.version("farhand"), "99.0.0"):
+        monkeypatch.setattr(recorded_module, "version", lambda _, today=today: today)
+        result = CliRunner().invoke(app, ["replay", "--verify", str(recording)])
+        assert result.exit_code == 1
+        said.append(" ".join(result.output.split()))
+    assert "recorded by" not in said[0]
+    assert f"recorded by Farhand {metadata.version('farhand')} with wire protocol {PROTOCOL_VERSION}" in said[1]
+    assert "this is Farhand 99.0.0" in said[1]
+    assert "verify it with the release that recorded it" in said[1]
 
 
 def test_a_pipeline_that_is_configured_otherwise_is_noticed(cycles):
