@@ -23,7 +23,6 @@ from remote_site.recording.transcript import CELL_TABLE, CONFIG_FILE, URDF_FILE
 from remote_site.teleop.cycle import CycleInput
 from remote_site.teleop.pipeline import TeleopPipeline
 
-
 SHOWN_WORDS = 40  # of a table that a stranger may have written
 
 
