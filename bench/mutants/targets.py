@@ -32,12 +32,14 @@ PIPELINE = (
     SURVIVING,
 )
 FOLLOWING = (MOTION, *_tests(TELEOP, "catch_up", "quick_aims", "slowed_arm", "other_arms"), SURVIVING)
+LEASH = (MOTION / "test_leash.py", TELEOP / "test_tool_target.py")
 KINEMATICS = (TESTS / "kinematics", *_tests(TELEOP, "slowed_arm", "other_arms"))
 STOPS = (
     *_tests(TESTS / "safety", "stop_figures", "stopping"),
     TESTS / "kinematics" / "test_limits_factor.py",
     TESTS / "runtime" / "test_checks.py",
 )
+SILENCES = _tests(TESTS / "safety", "silence", "turn_watch")
 GUARD = (TESTS / "safety", MOTION / "test_planner.py", SURVIVING)
 SUPERVISOR = (TESTS / "drivers" / "supervisor",)
 POSITION_ARM = (TESTS / "drivers" / "position_arm",)
@@ -85,6 +87,7 @@ TARGETS = (
         target_predictor=14,
         target_tracker=8,
     ),
+    *_targets(REMOTE / "motion", LEASH, leash=12),
     *_targets(
         REMOTE / "kinematics",
         KINEMATICS,
@@ -105,8 +108,8 @@ TARGETS = (
         collision=8,
         collision_avoidance=10,
         workspace_box=4,
-        silence=3,
     ),
+    *_targets(REMOTE / "safety", SILENCES, silence=8, turn_watch=8),
     *_targets(REMOTE / "safety", STOPS, stop_bound=4, stop_figures=4),
     *_targets(
         REMOTE / "drivers" / "supervisor",
@@ -121,11 +124,13 @@ TARGETS = (
         grip=6,
         orders=4,
         watched_driver=6,
+        plausible_motion=10,
     ),
     *_targets(
         REMOTE / "drivers" / "position_arm",
         POSITION_ARM,
         driver=10,
+        held_posture=10,
         calls=8,
         threaded_calls=8,
         readings=4,

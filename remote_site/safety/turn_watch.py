@@ -13,9 +13,8 @@ class TurnWatch:
     """
 
     def __init__(self) -> None:
-        self.took_ns = self.slow_ns = self._late = 0
+        self.took_ns = self.slow_ns = self._late = self._in_time_ns = 0
         self._turned_ns: int | None = None
-        self._in_time_ns = 0
 
     def note(self, now_ns: int) -> None:
         """A turn begins."""

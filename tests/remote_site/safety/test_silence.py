@@ -36,6 +36,12 @@ def test_a_listener_that_is_always_late_notices_after_four_turns(turn_ms):
     assert heard(range(0, 6 * turn_ms, turn_ms)) == [0, 0, 50, 100, 150, 200]
 
 
+@pytest.mark.parametrize(("listened_ms", "counted_ms"), [(499, 50), (500, 0)])
+def test_a_pause_counts_until_the_listener_has_listened_in_time_for_ten_of_them(listened_ms, counted_ms):
+    in_time = range(100 + listened_ms % 50, 101 + listened_ms, 50)
+    assert heard([0, 100, *in_time, 800])[-1] == listened_ms + counted_ms
+
+
 @pytest.mark.parametrize("between_ms", [1, 10, 40])
 def test_turns_in_time_between_late_ones_are_no_excuse(between_ms):
     looks, now = [], 0
