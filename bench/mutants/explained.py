@@ -11,6 +11,7 @@ EXPLAINED = {
     "looked at, not what is found",
     f"{CLEARANCE}:clear: 0.5 -> 1.5": "the first half then reaches beyond the end: more is checked, never less",
     "remote_site/session/lease.py:__init__: 0 -> 1": "nobody has asked yet, and who asks sets it",
+    "remote_site/drivers/supervisor/plausible_motion.py:bounds: 0 -> 1": "a nanosecond moves no joint",
     "remote_site/safety/stopping.py:span: 0.0 -> 1.0": "a bound that is wider, and still one",
     "common/mapping/rotation_mapping.py:_update: if self._scale == 1.0: -> if False:": "a shortcut: at a scale of 1 "
     "both ways give the same turn, up to rounding",

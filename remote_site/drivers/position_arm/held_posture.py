@@ -23,7 +23,7 @@ class HeldPosture:
 
     def __init__(self, joints: int, lag_s: float, *, brakes: bool) -> None:
         self._lag_s, self._brakes = lag_s, brakes
-        self._moved_ns = np.full(joints, -(2**62))  # when each joint was sent on last
+        self._moved_ns = np.full(joints, -np.inf)  # when each joint was sent on last
         self._braked = np.zeros(joints, dtype=bool)
         self._way = np.zeros(joints)  # rad, at most, from where it was sent to where it rests
 

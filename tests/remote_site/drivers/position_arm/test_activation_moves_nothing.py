@@ -5,22 +5,27 @@ import math
 import numpy as np
 import pytest
 
+from common.clock import NS_PER_S
 from common.errors import DriverError
+from remote_site.drivers.position_arm.held_posture import RESTS_RAD_S, HeldPosture
+from remote_site.kinematics.joints import JointMotion
+from tests.contracts.driver_stands import SETUP
 from tests.contracts.position_arms import BrakingArm, ServoArm, StopsHard
 from tests.remote_site.drivers.position_arm.driven_arm import START, DrivenArm
 
-SECOND = np.eye(6)[1]
+FIRST, SECOND = np.eye(6)[:2]
 
 
 class HangingArm(ServoArm):
     """Its load holds it `hang` rad below its goal, which a stop leaves as it is."""
 
     hang = 0.04
+    loaded = SECOND
 
     def move(self) -> None:
         now_ns = self.clock.now_ns()
         elapsed_s, self._moved_ns = (now_ns - self._moved_ns) / 1e9, now_ns
-        rest = self.goal - self.hang * SECOND
+        rest = self.goal - self.hang * self.loaded
         self.q = rest + (self.q - rest) * math.exp(-elapsed_s / self.lag_s)
 
     def stop(self) -> None:
@@ -155,3 +160,24 @@ def test_an_arm_that_was_stopped_before_it_was_where_it_was_sent_stays_where_it_
     driven.command(0.0, at=q)
     driven.turns(100)
     assert driven.arm.q == pytest.approx(rested, abs=1e-6)
+
+
+def test_an_arm_that_is_led_to_rest_hangs_where_it_was_led() -> None:
+    driven = DrivenArm(HangingArm, loaded=FIRST).active().at_speed(1.5)
+    driven.driver.stop()
+    driven.turns(1500)
+    rested = driven.arm.q.copy()
+    q = driven.reading().q
+    driven.driver.activate(q)
+    driven.command(0.0, at=q)
+    driven.turns(300)
+    assert driven.arm.q == pytest.approx(rested, abs=1e-6)
+
+
+@pytest.mark.parametrize(("speed", "held"), [(RESTS_RAD_S, 0.01), (2 * RESTS_RAD_S, 0.0)])
+def test_a_joint_is_known_to_hold_where_it_was_sent_unless_it_was_in_motion(speed: float, held: float) -> None:
+    posture = HeldPosture(6, 0.1, brakes=True)
+    motion = JointMotion(START, speed * SECOND, np.zeros(6))
+    posture.sent(motion, NS_PER_S)
+    posture.stopped(motion, SETUP.limits, NS_PER_S)
+    assert posture.hang(SETUP.joint_names, START, START - 0.01 * SECOND)[1] == pytest.approx(held)

@@ -384,3 +384,8 @@ def test_attributes_that_no_arm_has_are_refused(attributes, sentence):
 def test_a_gliding_arm_reads_as_moving():
     driven = DrivenArm(Gliding).active().at_speed(0.1)
     assert np.abs(driven.turns(400).dq[0]) > RESTING_RAD_S
+
+
+def test_a_driver_claims_no_more_than_an_arm_of_positions_has() -> None:
+    declared = DrivenArm().driver.capabilities
+    assert (declared.force, declared.gripper, declared.watchdog_ms, declared.holds) == (False, False, None, True)
