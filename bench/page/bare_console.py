@@ -62,7 +62,9 @@ class Agreeable:
         self.consented: list[Asker | None] = []
         self.recorded: list[tuple[RecordAction, EpisodeOutcome]] = []
 
-    def engagement(self, action: EngagementAction, seen_ns: int = 0, withdrawn: threading.Event | None = None) -> Reply:
+    def engagement(
+        self, action: EngagementAction, seen_ns: int = 0, _withdrawn: threading.Event | None = None
+    ) -> Reply:
         """As asked."""
         self.seen_ns = seen_ns
         self.asked.append(action)

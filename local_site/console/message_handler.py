@@ -45,7 +45,7 @@ class Requests(Protocol):
     """Asks the sites and waits for the answer."""
 
     def engagement(
-        self, action: EngagementAction, seen_ns: int = 0, withdrawn: threading.Event | None = None
+        self, action: EngagementAction, seen_ns: int = 0, withdrawn: threading.Event | None = None, /
     ) -> Reply: ...
 
     def lease(self, action: OperatorAction, to: Asker | None) -> Reply: ...

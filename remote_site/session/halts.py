@@ -23,7 +23,7 @@ class Halts:
 
     def stop(self, who: str, now_ns: int) -> Reason:
         """Somebody has stopped the arm; the reason as it is now."""
-        self._stoppers = [who, *(other for other in self._stoppers if other != who)]
+        self._stoppers = [who, *(other for other in self._stoppers if other != who)][: MOST_NAMED + 1]
         return self._halt(now_ns)
 
     def fail(self, cause: str, now_ns: int) -> Reason:
@@ -55,9 +55,9 @@ class Halts:
         return self.reason
 
     def _named(self) -> str:
-        named, more = self._stoppers[:MOST_NAMED], len(self._stoppers) - MOST_NAMED
-        names = [*named, f"{more} more"] if more > 0 else named
-        return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+        others = ["others"] if len(self._stoppers) > MOST_NAMED else []
+        *names, last = [*self._stoppers[:MOST_NAMED], *others]
+        return f"{', '.join(names)} and {last}" if names else last
 
 
 def _room(code: Code, **values: str) -> int:

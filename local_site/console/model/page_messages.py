@@ -13,7 +13,7 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, RecordAction
 from common.messages.robot import Asker
 
-Decimal = Annotated[str, Meta(pattern=r"^[0-9]{1,19}$")]  # a number that JavaScript would round
+Digits = Annotated[str, Meta(pattern=r"^[0-9]{1,19}$")]  # a number that JavaScript would round
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 
 
@@ -69,14 +69,14 @@ class Ask(PageMessage, frozen=True, tag="ask"):
 
     id: Count
     action: EngagementAction
-    seen: Decimal = "0"
+    seen: Digits = "0"
 
 
 class ShownAsker(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """Who asks for the lease, as the page showed it."""
 
     name: Name
-    session: Decimal
+    session: Digits
 
     @property
     def asker(self) -> Asker:

@@ -85,7 +85,7 @@ def test_everybody_who_has_stopped_the_arm_is_named_the_newest_first():
     assert rig.wait(4).reason.sentence == "stopped by maintenance and anna; reset it, then engage"
     assert rig.session.readiness(rig.now_ns, READY).reason == rig.wait(4).reason
     rig = stopped(HOLDER, OTHER, HOLDER, "carl", "dora")
-    assert rig.wait(4).reason.sentence == "stopped by dora, carl, anna and 1 more; reset it, then engage"
+    assert rig.wait(4).reason.sentence == "stopped by dora, carl, anna and others; reset it, then engage"
     ask(rig, RESET)
     ask(rig, STOP, OTHER)
     assert rig.wait(4).reason.sentence == "stopped by ben; reset it, then engage"
@@ -201,12 +201,13 @@ def test_a_robot_that_has_stopped_by_itself_is_woken_by_nobody_who_was_not_shown
     assert ask(rig, RESET, robot=Robot(STOPPED, REST)).activate
 
 
-def test_the_longest_names_and_cause_fit_into_a_message():
+def test_the_longest_names_and_cause_fit_into_a_message_and_ever_more_names_take_no_more_memory():
     halts = Halts()
-    for k in range(9):
-        halts.stop(f"{k}" * 64, k)
+    for k in range(1000):
+        halts.stop(f"{k:064}", k)
+    assert len(halts._stoppers) < 10
     assert len(halts.reason.sentence) <= MOST_TEXT
-    reason = halts.fail(str(RobotFault(FaultCode.COMMAND_TIMEOUT, "x" * MOST_SENTENCE, "y" * 32)), 9)
+    reason = halts.fail(str(RobotFault(FaultCode.COMMAND_TIMEOUT, "x" * MOST_SENTENCE, "y" * 32)), 1000)
     assert len(reason.sentence) <= MOST_TEXT
     assert reason.sentence.endswith("…; reset it, then engage")
     unseen = halts.unseen(8, EngagementAction.RESET.value, reason.sentence)
