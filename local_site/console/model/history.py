@@ -26,7 +26,7 @@ class Event:
 
 
 class History:
-    """Keeps the last events; a repetition is not noted. `unanswered` is the fault with which a remote site ended."""
+    """Keeps the last events; a repetition is not noted. `unanswered` is the fault or stop in which a site has ended."""
 
     def __init__(self) -> None:
         self.events: deque[Event] = deque(maxlen=KEPT)
