@@ -112,6 +112,7 @@ class Code(StrEnum):
     RELEASED = "released", "disengaged on request"
     STOPPED = "stopped", "stopped by {operator}; reset it, then engage"
     RESET = "reset", "reset; engage to continue"
+    UNSEEN = "unseen", "this came since, and was not shown when you asked: {now}. Look, then {act} again"
     NOT_HELD = "not_held", "the {input} is not held down"
     LET_GO_FIRST = (
         "let_go_first",

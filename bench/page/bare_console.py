@@ -48,7 +48,7 @@ class OneClock:
 class Agreeable:
     """Answers every request with yes, unless `silent`; keeps joints `marked`, those `consented` to, acts `recorded`.
 
-    `asked` are the requests about the engagement.
+    `asked` are the requests about the engagement; the newest was of a page that had shown the halt at `seen_ns`.
 
     `refused` counts requests that were not answered with yes.
     """
@@ -57,12 +57,16 @@ class Agreeable:
         self.silent = False
         self.refused = 0
         self.asked: list[EngagementAction] = []
+        self.seen_ns = 0
         self.marked: list[tuple[PicturePoint, ...]] = []
         self.consented: list[Asker | None] = []
         self.recorded: list[tuple[RecordAction, EpisodeOutcome]] = []
 
-    def engagement(self, action: EngagementAction) -> Reply:
+    def engagement(
+        self, action: EngagementAction, seen_ns: int = 0, _withdrawn: threading.Event | None = None
+    ) -> Reply:
         """As asked."""
+        self.seen_ns = seen_ns
         self.asked.append(action)
         if self.silent:
             self.refused += 1

@@ -45,7 +45,7 @@ MakeRobot = Callable[[RemoteConfig], tuple[FakeClock, Driver]]
 class Ticks:
     """What control decided: when, in which state, when the obeyed sample was captured, 0 while it obeyed none.
 
-    `age_limit_ns` is the age up to which samples were obeyed.
+    `age_limit_ns` is the age up to which samples were obeyed, `halted_ns` when the newest halt came.
     """
 
     t_ns: list[int] = field(default_factory=list)
@@ -54,6 +54,7 @@ class Ticks:
     age_limit_ns: list[int] = field(default_factory=list)
     faults: Counter[str] = field(default_factory=Counter)
     engagements: int = 0
+    halted_ns: int = 0
     _last_fault: str = ""
 
     def append(self, now_ns: int, snapshot: Snapshot, fault: RobotFault | None) -> None:
@@ -62,7 +63,7 @@ class Ticks:
         self.states.append(snapshot.state)
         self.born_ns.append(snapshot.obeys.born_ns if snapshot.obeys is not None else 0)
         self.age_limit_ns.append(round(snapshot.age_limit_ms * NS_PER_MS))
-        self.engagements = snapshot.engagements
+        self.engagements, self.halted_ns = snapshot.engagements, snapshot.halted_ns
         code = fault.code.value if fault is not None and not fault.calm else ""
         if code and code != self._last_fault:
             self.faults[code] += 1
@@ -171,4 +172,4 @@ class World:
             return []
         self._ask_ns = now_ns + ASK_NS + round(self._rng.uniform(0, 500) * NS_PER_MS)
         actions = (EngagementAction.RESET, EngagementAction.ENGAGE)
-        return [SessionRequest(action, lease.holder.name) for action in actions]
+        return [SessionRequest(action, lease.holder.name, seen_ns=self.ticks.halted_ns) for action in actions]

@@ -5,7 +5,6 @@ import tempfile
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from functools import partial
 from pathlib import Path
 from typing import Any, Self
 
@@ -19,10 +18,10 @@ from bench.wan.setup import CELL, OPERATOR, WanSetup
 from common.config import load_config
 from common.errors import ProcessError, TransportError
 from common.geometry import Array, vector_from_rotation
-from common.link.channels import ENGAGEMENT
+from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.link.transport import open_link
-from common.messages.requests import EngagementAction, EngagementRequest, Reply
+from common.messages.requests import EngagementAction, Reply
 from common.messages.robot import RobotState, SessionState
 from farhand.loopback.recorder import Recorder
 from farhand.loopback.site_process import SiteProcess
@@ -143,7 +142,7 @@ class WanStage:
     def _ask(self, action: EngagementAction) -> Reply | None:
         """The answer; None where a busy site gives none."""
         try:
-            return self._client.ask(ENGAGEMENT, partial(EngagementRequest, action=action))
+            return ask_engagement(self._client, action, self.state.halted_ns)
         except TransportError:
             return None
 

@@ -1,6 +1,7 @@
 """Requests that must take effect once: resent under the same id until they are answered or their deadline is over."""
 
 import secrets
+import threading
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
@@ -20,6 +21,7 @@ Replied = TypeVar("Replied", bound=Reply)
 PATIENCE_NS = 3 * NS_PER_S
 ATTEMPT_NS = 300 * NS_PER_MS
 ID_BITS = 62
+WITHDRAWN = "not sent any more: a stop, or an end of the engagement, was asked for after it"
 
 
 class RequestMaker(Protocol[Requested_co]):
@@ -77,14 +79,22 @@ class RequestClient:
         self._patience_ns = PATIENCE_NS if patience_ns is None else patience_ns
         self._clock = clock or MonotonicClock()
 
-    def ask(self, procedure: Procedure[Requested, Replied], make: RequestMaker[Requested]) -> Replied:
-        """The reply; TransportError without an answer, RefusedError when the sites do not understand each other."""
+    def ask(
+        self,
+        procedure: Procedure[Requested, Replied],
+        make: RequestMaker[Requested],
+        withdrawn: threading.Event | None = None,
+    ) -> Replied:
+        """The reply; TransportError without an answer, RefusedError when the sites do not understand each other.
+
+        Once `withdrawn` is set it is not sent any more: TransportError.
+        """
 
         def request(schedule: RequestSchedule, now_ns: int) -> Requested | None:
             offset_ns = self._offset_ns(now_ns)
             return make(id=schedule.id, deadline_ns=schedule.give_up_ns + offset_ns) if offset_ns is not None else None
 
-        return self._persist(procedure, request)
+        return self._persist(procedure, request, withdrawn)
 
     def stop(self, procedure: Procedure[StopRequest, Reply]) -> Reply:
         """The reply to a stop, which does not wait until the remote clock is known; errors as `ask`."""
@@ -94,6 +104,7 @@ class RequestClient:
         self,
         procedure: Procedure[Question, Replied],
         make: Callable[[RequestSchedule, int], Question | None],
+        withdrawn: threading.Event | None = None,
     ) -> Replied:
         """Ask what `make` gives, None for nothing yet, until it is answered or the time is up."""
         clock = self._clock
@@ -105,6 +116,8 @@ class RequestClient:
                 raise TransportError(f"nobody answered at cell {self._whom}: is the site that is asked running?")
             schedule.sent(now_ns)
             request = make(schedule, now_ns)
+            if withdrawn is not None and withdrawn.is_set():
+                raise TransportError(WITHDRAWN)
             if request is None:
                 continue
             timeout_s = min(REQUEST_TIMEOUT_S, (schedule.give_up_ns - now_ns) / NS_PER_S)

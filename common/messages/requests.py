@@ -44,9 +44,14 @@ class EngagementAction(StrEnum):
 
 
 class EngagementRequest(Request, frozen=True):
-    """Engage, disengage or reset the arm: for the lease's holder, by the name in the key on which the request comes."""
+    """Engage, disengage or reset the arm: for the lease's holder, by the name in the key on which the request comes.
+
+    `seen_ns` is `RobotState.halted_ns` as its sender was shown it; an engagement or a reset is refused where another
+    halt has come since. A disengagement needs none.
+    """
 
     action: EngagementAction
+    seen_ns: Count = 0
 
     def __post_init__(self) -> None:
         if self.action is EngagementAction.STOP:

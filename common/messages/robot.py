@@ -267,7 +267,8 @@ class RobotState(Message, frozen=True):
     in force, None without a lease. `reference` is what the targets count from: None unless the arm follows, and where
     each target begins at the tool. `hand_link` is None before the holder's samples come; `video_link` is None
     while the link carries all pictures, or nobody watches them. `assist` is None where no targets are configured,
-    `recording` where no recorder runs.
+    `recording` where no recorder runs. `halted_ns` is when the newest halt came, a stop, a fault, a disengagement or a
+    robot that stopped by itself, by the remote clock: a reset or an engagement names it. It is 0 before the first.
     """
 
     session: Count
@@ -300,3 +301,4 @@ class RobotState(Message, frozen=True):
     video_link: VideoLink | None = None
     assist: AssistState | None = None
     recording: RecordingState | None = None
+    halted_ns: Count = 0

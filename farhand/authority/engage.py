@@ -1,6 +1,7 @@
 """Asks the remote site to let the arm follow the hand or to end that, to stop it, and to reset it."""
 
 import time
+from collections.abc import Callable
 from datetime import UTC, datetime
 
 from common.clock import NS_PER_MS
@@ -10,8 +11,9 @@ from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.engagement_client import ask_engagement
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
+from common.link.transport import Link
 from common.messages.requests import EngagementAction, Reply
-from farhand.authority.asking import link_to
+from farhand.authority.asking import link_to, newest_state
 from local_site.authority.config import host_operator
 
 RESET_FIRST = ("stopped", "fault", "robot_not_ready")
@@ -35,9 +37,14 @@ def request_disengage(cell: str, endpoint: str, operator: str = "", security: Li
     return reply.reason
 
 
-def request_reset(cell: str, endpoint: str, operator: str = "", security: LinkSecurity = ON_THIS_HOST) -> str:
-    """The remote site's reply to an operator (this host's by default); TransportError when it refuses."""
-    reply = _ask_as_operator(cell, endpoint, operator, EngagementAction.RESET, security)
+def request_reset(
+    cell: str, endpoint: str, operator: str, tell: Callable[[str], None], security: LinkSecurity = ON_THIS_HOST
+) -> str:
+    """The remote site's reply to an operator (this host's where empty); TransportError when it refuses.
+
+    `tell` gets beforehand what is reset, such as who has stopped the arm; what comes after that is not.
+    """
+    reply = _ask_as_operator(cell, endpoint, operator, EngagementAction.RESET, security, tell)
     if not reply.done:
         raise TransportError(f"not reset ({reply.code}): {reply.reason}")
     return reply.reason
@@ -73,19 +80,43 @@ def unacknowledged(why: str) -> str:
 
 
 def _ask_as_operator(
-    cell: str, endpoint: str, operator: str, action: EngagementAction, security: LinkSecurity
+    cell: str,
+    endpoint: str,
+    operator: str,
+    action: EngagementAction,
+    security: LinkSecurity,
+    tell: Callable[[str], None] = lambda _: None,
 ) -> Reply:
     name = check_cell_name(operator or host_operator(), "operator")
     with link_to(cell, endpoint, security=security) as link:
-        return ask_engagement(RequestClient(link, cell, RemoteClock(link, cell), operator=name), action)
+        seen_ns = _look(link, cell, action, tell)
+        return ask_engagement(RequestClient(link, cell, RemoteClock(link, cell), operator=name), action, seen_ns)
 
 
 def request_maintenance(
-    cell: str, endpoint: str, action: EngagementAction, security: LinkSecurity = ON_THIS_HOST
+    cell: str,
+    endpoint: str,
+    action: EngagementAction,
+    tell: Callable[[str], None],
+    security: LinkSecurity = ON_THIS_HOST,
 ) -> str:
-    """The remote site's reply to a maintenance request; TransportError when it refuses."""
+    """The remote site's reply to a maintenance request; TransportError when it refuses.
+
+    `tell` gets beforehand what a reset clears, as in `request_reset`.
+    """
     with link_to(cell, endpoint, security=security) as link:
-        reply = ask_engagement(RequestClient(link, cell, RemoteClock(link, cell)), action, maintenance=True)
+        seen_ns = _look(link, cell, action, tell)
+        reply = ask_engagement(RequestClient(link, cell, RemoteClock(link, cell)), action, seen_ns, maintenance=True)
     if not reply.done:
         raise TransportError(f"refused ({reply.code}): {reply.reason}")
     return reply.reason
+
+
+def _look(link: Link, cell: str, action: EngagementAction, tell: Callable[[str], None]) -> int:
+    """The newest halt of the state there, for what has to name it; `tell` gets what a reset is about to clear."""
+    if action not in (EngagementAction.ENGAGE, EngagementAction.RESET):
+        return 0
+    state = newest_state(link, cell)
+    if action is EngagementAction.RESET:
+        tell(f"to reset: {state.reason}")
+    return state.halted_ns

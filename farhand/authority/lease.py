@@ -5,24 +5,22 @@ from collections.abc import Callable
 from functools import partial
 
 from common.clock import NS_PER_S
-from common.errors import MessageError, TransportError
-from common.link.channels import OPERATE, STATE
+from common.errors import TransportError
+from common.link.channels import OPERATE
 from common.link.config import ON_THIS_HOST, LinkSecurity
-from common.link.request_client import PATIENCE_NS, RequestClient
-from common.link.transport import Link
+from common.link.request_client import RequestClient
 from common.messages.requests import SILENT, WAITING, OperatorAction, OperatorRequest
 from common.messages.robot import Asker, RobotState
-from farhand.authority.asking import link_to
+from farhand.authority.asking import link_to, newest_state
 from local_site.authority.lease_policy import KEEP_ASKING_NS
 
-POLL_S = 0.05
 TAKE_AGAIN_S = 1.0
 
 
 def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> list[str]:
     """Lines: who holds the lease, how long it still lasts, who asks for it, how accurately the clocks are known."""
     with link_to(cell, endpoint, security=security) as link:
-        return describe_lease(_state(link, cell))
+        return describe_lease(newest_state(link, cell))
 
 
 def describe_lease(state: RobotState) -> list[str]:
@@ -45,7 +43,7 @@ def describe_lease(state: RobotState) -> list[str]:
 def find_asker(cell: str, endpoint: str, name: str, security: LinkSecurity = ON_THIS_HOST) -> Asker:
     """The operator of this name who asks for the lease at the remote site; TransportError when that is not who asks."""
     with link_to(cell, endpoint, security=security) as link:
-        lease = _state(link, cell).lease
+        lease = newest_state(link, cell).lease
     asker = lease.asked_by if lease is not None else None
     if asker is None or asker.name != name:
         raise TransportError(f"{asker or 'nobody'} asks for the lease now, not {name}: nothing was handed over")
@@ -94,17 +92,3 @@ def take_lease(
                 told = reply.reason
                 tell(f"waiting: {told}")
             time.sleep(TAKE_AGAIN_S)
-
-
-def _state(link: Link, cell: str) -> RobotState:
-    states = link.latest(STATE, cell)
-    give_up_ns = time.monotonic_ns() + PATIENCE_NS
-    while time.monotonic_ns() < give_up_ns:
-        try:
-            state = states.take()
-        except MessageError as error:
-            raise TransportError(f"the remote site's state is refused: {error}") from error
-        if state is not None:
-            return state
-        time.sleep(POLL_S)
-    raise TransportError(f"no state is published: is the remote site of cell {cell} running?")

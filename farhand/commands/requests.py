@@ -56,12 +56,14 @@ def reset_arm(
 ) -> None:
     """Clear a stop or a fault, as the lease's holder, and wake a robot that has stopped; nothing moves until 'engage'.
 
+    It says what it clears, such as who has stopped the arm, and clears nothing that came after that.
+
     Example: farhand reset --cell cell
     """
     from farhand.authority.engage import request_reset
 
     links = console_config(config, cell=cell, control=at)
-    say(request_reset(links.cell, links.links.control, operator or links.name, links.links))
+    say(request_reset(links.cell, links.links.control, operator or links.name, say, links.links))
 
 
 def stop_arm(
@@ -158,6 +160,8 @@ def stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None)
 def reset(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
     """Clear a stop or a fault, and wake a robot that has stopped; nothing moves until the operator engages.
 
+    It says what it clears, such as who has stopped the arm, and clears nothing that came after that.
+
     Example: farhand maintenance reset --config /etc/farhand/maintenance.toml
     """
     _request_maintenance("reset", cell, at, config)
@@ -168,4 +172,4 @@ def _request_maintenance(action: str, cell: str, at: str, config: Path | None) -
     from farhand.authority.engage import request_maintenance
 
     links = console_config(config, cell=cell, control=at)
-    say(request_maintenance(links.cell, links.links.control, EngagementAction(action), links.links))
+    say(request_maintenance(links.cell, links.links.control, EngagementAction(action), say, links.links))

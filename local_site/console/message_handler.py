@@ -1,5 +1,6 @@
 """Handles the pages' messages: who operates, the operator's intent, and requests to the sites."""
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, assert_never
@@ -43,7 +44,9 @@ CONFIRMED_WITHIN_NS = NS_PER_S
 class Requests(Protocol):
     """Asks the sites and waits for the answer."""
 
-    def engagement(self, action: EngagementAction) -> Reply: ...
+    def engagement(
+        self, action: EngagementAction, seen_ns: int = 0, withdrawn: threading.Event | None = None, /
+    ) -> Reply: ...
 
     def lease(self, action: OperatorAction, to: Asker | None) -> Reply: ...
 
@@ -195,13 +198,21 @@ class PageMessageHandler:
 
     def _ask(self, page: Page, message: Ask, now_ns: int) -> None:
         if message.action is not EngagementAction.STOP:
-            self._if_operating(
-                page, message.id, lambda: self._requests.engagement(message.action), message.action.value
-            )
+            self._if_operating(page, message.id, self._act(page, message), message.action.value)
             return
         self.seat.interrupt()
         self._history.note_once("stop", f"stop asked by {page.visitor}", now_ns)
         self._pools.stop(page, message.id)
+
+    def _act(self, page: Page, message: Ask) -> Callable[[], Reply]:
+        """What asks for an engagement or a reset until something withdraws it, or for an end of the engagement."""
+        action, seen_ns = message.action, int(message.seen)
+        if action is not EngagementAction.DISENGAGE:
+            standing = self._pools.standing
+            return lambda: self._requests.engagement(action, seen_ns, standing)
+        if page.visitor == self.seat.occupant:
+            self._pools.withdraw()
+        return lambda: self._requests.engagement(action)
 
     def _if_operating(self, page: Page, number: int, act: Callable[[], Reply], what: str) -> None:
         if page.visitor == self.seat.occupant:

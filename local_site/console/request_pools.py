@@ -1,6 +1,7 @@
 """Requests of pages to the sites, in threads that may wait; each page is answered when its own is done."""
 
 import asyncio
+import threading
 import time
 from collections import defaultdict, deque
 from collections.abc import Callable, Coroutine
@@ -22,7 +23,8 @@ class RequestPools:
     """Lives in the event loop; `stop` asks for a stop, which never waits behind another request.
 
     However many stops pages ask for, one is under way at a time, and the next is all of theirs who ask meanwhile: the
-    arm may have been reset since the one under way.
+    arm may have been reset since the one under way. `standing` is set once a later stop, or end of the engagement,
+    withdraws what is asked for now.
     """
 
     def __init__(self, history: History, stop: Act) -> None:
@@ -33,6 +35,7 @@ class RequestPools:
         self._waiting = 0
         self._stops: defaultdict[Page, Numbers] = _no_stops()
         self._is_stopping = False
+        self.standing = threading.Event()
 
     def close(self) -> None:
         """Begin nothing more, and wait for the requests under way: their link is closed, so it is short."""
@@ -41,10 +44,16 @@ class RequestPools:
 
     def stop(self, page: Page, number: int) -> None:
         """Request a stop; of those of one page that wait only the newest are answered."""
+        self.withdraw()
         self._stops[page].append((number, time.monotonic_ns()))
         if not self._is_stopping:
             self._is_stopping = True
             self._begin(self._stop())
+
+    def withdraw(self) -> None:
+        """Nothing that moves the arm and was asked for until now is sent any more: it would overtake what comes now."""
+        self.standing.set()
+        self.standing = threading.Event()
 
     def ask(self, page: Page, number: int, act: Act, what: str) -> None:
         """Request anything else; `what` names it to the page and in the history."""

@@ -1,5 +1,6 @@
 """What the operator asks of the sites through the page."""
 
+import threading
 from functools import partial
 
 from common.link.channels import JOINTS, OPERATE
@@ -29,9 +30,9 @@ class SiteRequests:
         self._local = RequestClient(link, cell, operator=operator)
         self._recorders = RecordClient(self._remote, self._local)
 
-    def engagement(self, action: EngagementAction) -> Reply:
-        """The remote site's reply."""
-        return answered(lambda: ask_engagement(self._remote, action))
+    def engagement(self, action: EngagementAction, seen_ns: int = 0, withdrawn: threading.Event | None = None) -> Reply:
+        """The remote site's reply to who was shown the halt at `seen_ns`; once `withdrawn` is set it is not asked."""
+        return answered(lambda: ask_engagement(self._remote, action, seen_ns, withdrawn=withdrawn))
 
     def lease(self, action: OperatorAction, to: Asker | None) -> Reply:
         """The local site's reply; `to` is whom the page has shown to ask for the lease."""

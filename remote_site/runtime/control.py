@@ -148,8 +148,8 @@ class Inbox:
         stops = [asked for server in self._stops if (asked := server.take()) is not None]
         others = [other for server in self._others if (other := server.take(now_ns)) is not None]
         return [
-            *(_waiting(EngagementAction.STOP, operator, 0, reply) for operator, _, reply in stops),
-            *(_waiting(asked.action, operator, asked.id, reply) for operator, asked, reply in others),
+            *(_waiting(EngagementAction.STOP, operator, 0, 0, reply) for operator, _, reply in stops),
+            *(_waiting(asked.action, operator, asked.id, asked.seen_ns, reply) for operator, asked, reply in others),
         ]
 
     def _taken(self, hand: Latest[HandArm], ahead_ns: int) -> Iterator[NamedSample]:
@@ -226,16 +226,21 @@ class ControlLoop:
         self._reporter.publish(ended, self._driven, self._inbox.refusals.counts)
 
     def _is_due(self, snapshot: Snapshot) -> bool:
-        return self._pace.is_due(snapshot.now_ns, (snapshot.state, snapshot.reason.code), snapshot.network_ms)
+        return self._pace.is_due(
+            snapshot.now_ns, (snapshot.state, snapshot.reason.code, snapshot.halted_ns), snapshot.network_ms
+        )
 
 
-def _waiting(action: EngagementAction, operator: str, number: int, reply: Callable[[Reply], None]) -> Waiting:
+def _waiting(
+    action: EngagementAction, operator: str, number: int, seen_ns: int, reply: Callable[[Reply], None]
+) -> Waiting:
     """A request that came on this operator's key, empty for maintenance's, and what sends the session's answer."""
 
     def answering(answer: Answer) -> None:
         reply(Reply(id=number, done=answer.done, code=answer.reason.code.value, reason=answer.reason.sentence))
 
-    return SessionRequest(action, operator or MAINTENANCE_NAME, maintenance=not operator), answering
+    asker = operator or MAINTENANCE_NAME
+    return SessionRequest(action, asker, maintenance=not operator, seen_ns=seen_ns), answering
 
 
 def _activate(driver: DriverLink, should_stop: StopFlag) -> None:

@@ -67,7 +67,7 @@ class Reporter:
 
     def note(self, snapshot: Snapshot, driven: DrivenPipeline) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
-        self._log.note(snapshot.state, snapshot.reason, snapshot.now_ns)
+        self._log.note(snapshot.state, snapshot.reason, snapshot.halted_ns, snapshot.now_ns)
         if snapshot.obeys is not None:
             self._tracing.obey(snapshot.obeys, driven.seq, snapshot.now_ns, driven.sent)
         self._tracing.see(driven.report)
@@ -127,6 +127,7 @@ class Reporter:
             video_link=self._site.video_link,
             assist=snapshot.assist,
             recording=self._tap.state(snapshot.now_ns) if self._tap is not None else None,
+            halted_ns=snapshot.halted_ns,
         )
 
 

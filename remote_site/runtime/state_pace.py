@@ -15,17 +15,19 @@ class StatePace:
 
     Where packets get lost, the congestion control of QUIC falls back to two packets per round trip (RFC 9002, section
     7.2), of at least 1200 bytes (RFC 9000, section 14). States go before answers there: more of them would leave none
-    for the clock, the description and the lease. A change of the session's state or its code is never held back.
+    for the clock, the description and the lease. A change of the session's state or its code, and a halt, are never
+    held back.
     """
 
     def __init__(self) -> None:
         self._sent_ns, self._bytes = 0, 0
-        self._said: tuple[SessionState, Code] | None = None
+        self._said: tuple[SessionState, Code, int] | None = None
 
-    def is_due(self, now_ns: int, says: tuple[SessionState, Code], network_ms: float | None) -> bool:
+    def is_due(self, now_ns: int, says: tuple[SessionState, Code, int], network_ms: float | None) -> bool:
         """Whether to send the state now, which then counts as sent.
 
-        `says` is the session's state with its code, `network_ms` half a round trip, None while it is not known.
+        `says` is the session's state with its code and its newest halt, `network_ms` half a round trip, None while it
+        is not known.
         """
         way_ms = UNKNOWN_MS if network_ms is None else network_ms
         period_ns = 2 * way_ms * NS_PER_MS * self._bytes / (SHARE * LEAST_WINDOW_BYTES)

@@ -13,6 +13,9 @@ SILENCES = (
 )  # between control, driver process and robot
 ASLEEP = (FaultCode.COMMAND_TIMEOUT, FaultCode.WATCHDOG, FaultCode.REFUSED)  # the last while the stop is ending
 
+# who stops an arm that is barred already, as people read it
+EMERGENCY_STOP, ROBOT_ITSELF = "the robot's emergency stop", "the robot itself"
+
 RETRY_NS = 100 * NS_PER_MS  # between activations that are refused one after the other
 
 
@@ -21,7 +24,7 @@ class FaultLatch:
 
     Nor is a timeout between control, the driver's process and the robot while the arm rests disengaged, as on a machine
     that starts everything at the same time: no motion was interrupted. While it lasts the robot is not ready, so no
-    engagement can begin.
+    engagement can begin. A stop of the robot's own behind another stop or fault is passed on as a stop: it shows.
     """
 
     def __init__(self, session: Session) -> None:
@@ -36,8 +39,8 @@ class FaultLatch:
         `resting` is whether the commanded arm is at rest. A robot that refuses is asked again ten times a second.
         """
         code = fault.code if fault is not None else None
-        if fault is not None and not fault.calm and code is not self._last and not self._lapses(fault, resting):
-            self._session.fault(str(fault))
+        if fault is not None and code is not self._last and not self._lapses(fault, resting):
+            self._pass_on(fault, now_ns)
         self._last = code
         self._lapsed = self._lapsed and fault is not None and (fault.calm or fault.code in SILENCES + ASLEEP)
         return self._lapsed and code in ASLEEP and self._may_ask(now_ns)
@@ -45,6 +48,23 @@ class FaultLatch:
     def activated(self) -> None:
         """The robot is asked to activate: a fault that this does not end is a new one."""
         self._last = None
+
+    def _pass_on(self, fault: RobotFault, now_ns: int) -> None:
+        session = self._session
+        if fault.calm:
+            if fault.code is FaultCode.STOPPED and self._last is None:
+                self._stopped_itself(now_ns)
+        elif fault.code is FaultCode.EMERGENCY_STOP and session.state is SessionState.FAULT:
+            session.stop(EMERGENCY_STOP, now_ns)
+        else:
+            session.fault(str(fault), now_ns)
+
+    def _stopped_itself(self, now_ns: int) -> None:
+        """What barred the arm before would hide it; else the robot that takes no commands is shown as such."""
+        if self._session.barred:
+            self._session.stop(ROBOT_ITSELF, now_ns)
+        else:
+            self._session.halts.note(now_ns)
 
     def _may_ask(self, now_ns: int) -> bool:
         if self._asked_ns is not None and now_ns - self._asked_ns < RETRY_NS:

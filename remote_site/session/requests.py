@@ -10,11 +10,15 @@ from remote_site.session.state_machine import Answer, Robot, Session
 
 @dataclass(frozen=True, slots=True)
 class SessionRequest:
-    """A request as it arrived: the action, who asks for it, and whether it came with maintenance's certificate."""
+    """A request as it arrived: the action, who asks for it, and whether it came with maintenance's certificate.
+
+    `seen_ns` is the newest halt that its sender was shown, for a reset and an engagement (`RobotState.halted_ns`).
+    """
 
     action: EngagementAction
     operator: str
     maintenance: bool = False
+    seen_ns: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +32,8 @@ class Outcome:
 class RequestHandler:
     """Carries out requests: anybody may stop the arm; maintenance may also reset it; the rest is the lease holder's.
 
-    Only a reset clears a fault or a stop, and activates a robot that takes no commands.
+    Only a reset clears a fault or a stop, and activates a robot that takes no commands. It clears none that its sender
+    was not shown, and an engagement that was asked for before a halt does not outlive it.
     """
 
     def __init__(self, session: Session) -> None:
@@ -38,12 +43,15 @@ class RequestHandler:
         """Carry out one request under the lease in force."""
         action = request.action
         if action is EngagementAction.STOP:
-            return Outcome(self._session.stop(request.operator))
+            return Outcome(self._session.stop(request.operator, now_ns))
         refused = _refusal(request, lease)
         if refused is not None:
             return Outcome(Answer(False, refused))
         if action is EngagementAction.DISENGAGE:
-            return Outcome(self._session.request_disengage())
+            return Outcome(self._session.request_disengage(now_ns))
+        unseen = self._session.unseen(request.seen_ns, action.value)
+        if unseen is not None and (action is EngagementAction.RESET or not self._session.barred):
+            return Outcome(Answer(False, unseen))
         if action is EngagementAction.RESET:
             return Outcome(self._session.reset(), activate=not robot.ready)
         return Outcome(self._session.request_engage(now_ns, robot))

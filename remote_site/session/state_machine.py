@@ -15,6 +15,7 @@ from remote_site.safety.turn_watch import LONGEST_TURN_NS, TurnWatch
 from remote_site.session.age_limit import AgeLimit
 from remote_site.session.config import EngagementConfig
 from remote_site.session.engagement_intent import EngagementIntent
+from remote_site.session.halts import Halts
 from remote_site.session.hand_signal import HandSignal
 from remote_site.session.hold import Hold
 from remote_site.session.lease import Holder, Lease
@@ -99,7 +100,7 @@ class Session:
         self._reason = reason(Code.NOT_ENGAGED)
         self._lease: Lease | None = None
         self._holder: Holder | None = None
-        self._stopped: Reason | None = None
+        self.halts = Halts()
         self._ticks = TurnWatch()
 
     @property
@@ -110,7 +111,11 @@ class Session:
     @property
     def barred(self) -> bool:
         """A fault or a stop has to be reset before anything moves."""
-        return self._barred() is not None
+        return self.halts.reason is not None
+
+    def unseen(self, seen_ns: int, act: str) -> Reason | None:
+        """Why who was shown the halt at `seen_ns` may not `act`, None where no other has come since."""
+        return self.halts.unseen(seen_ns, act, self._reason.sentence)
 
     def authorise(self, lease: Lease | None) -> None:
         """Take note of the lease in force; the end of the former one ends the engagement, and forgets its samples."""
@@ -147,7 +152,7 @@ class Session:
         """Engage at the next tick, or state what is missing."""
         if self.state in FOLLOWING:
             return Answer(True, self._reason)
-        missing = self._barred() or self._missing(now_ns, robot)
+        missing = self.halts.reason or self._missing(now_ns, robot)
         if missing is not None:
             return Answer(False, missing)
         self._intent.requested = True
@@ -157,33 +162,35 @@ class Session:
         """Whether the arm follows or could be engaged now, apart from the operator's intent; if not, why."""
         if self.state in FOLLOWING:
             return Answer(True, self._reason)
-        missing = self._barred() or self._unready(now_ns, robot)
+        missing = self.halts.reason or self._unready(now_ns, robot)
         return Answer(missing is None, missing or reason(Code.READY))
 
-    def request_disengage(self) -> Answer:
+    def request_disengage(self, now_ns: int) -> Answer:
         """End the engagement; the arm stops."""
+        self.halts.note(now_ns)
         self._leave(reason(Code.RELEASED))
         return Answer(True, self._reason)
 
-    def stop(self, operator: str) -> Answer:
-        """End the engagement, and bar the next one until `reset`; the first who stopped the arm is named."""
-        self._stopped = self._stopped or reason(Code.STOPPED, operator=operator)
-        self._leave(self._stopped)
-        return Answer(True, self._stopped)
+    def stop(self, operator: str, now_ns: int) -> Answer:
+        """End the engagement, and bar the next one until `reset`; all who stop the arm are named, in a fault too."""
+        if self.state is not SessionState.FAULT:
+            self.state = SessionState.DISENGAGED
+        return Answer(True, self._bar(self.halts.stop(operator, now_ns)))
 
-    def fault(self, cause: str) -> None:
+    def fault(self, cause: str, now_ns: int) -> None:
         """The robot or a part of the remote site has failed: no motion until `reset` and a new engagement.
 
         The first cause is kept; what follows from it does not replace it.
         """
         if self.state is SessionState.FAULT:
             return
-        self.state, self._reason = SessionState.FAULT, reason(Code.FAULT, cause=cause)
-        self._intent.end()
+        self.state = SessionState.FAULT
+        self._bar(self.halts.fail(cause, now_ns))
 
     def reset(self) -> Answer:
         """Clear a fault and a stop, and end all holding; engaging is a request or a press of its own."""
-        self.state, self._stopped, self._reason = SessionState.DISENGAGED, None, reason(Code.RESET)
+        self.halts.clear()
+        self.state, self._reason = SessionState.DISENGAGED, reason(Code.RESET)
         self._intent.end()
         return Answer(True, self._reason)
 
@@ -195,7 +202,7 @@ class Session:
         if robot.diverted:
             self._hold.divert(now_ns)
         if self.state in FOLLOWING and (slow := self._slow()) is not None:
-            self.fault(slow.sentence)
+            self.fault(slow.sentence, now_ns)
         if self.state is SessionState.FAULT:
             return self._decide(Action.STOP)
         if self.state is SessionState.DISENGAGED:
@@ -222,8 +229,8 @@ class Session:
         if self._hand.too_old(now_ns) is not None:
             intent.hold.end()
         if intent.expires(now_ns, both_ready=robot.site_ready and robot.ready and self._lease is not None):
-            self._reason = self._stopped or reason(Code.AUTOMATIC_EXPIRED)
-        missing = self._barred() or self._missing(now_ns, robot)
+            self._reason = self.halts.reason or reason(Code.AUTOMATIC_EXPIRED)
+        missing = self.halts.reason or self._missing(now_ns, robot)
         if missing is None and (requested or intent.armed or intent.input is not None):
             intent.armed = False
             self.engagements += 1
@@ -293,16 +300,17 @@ class Session:
         """Why the arm waits for the operator's page; with hold-to-run or a pedal its silence is a release instead."""
         return reason(Code.PAGE_SILENT) if self.page.silent and self._intent.input is None else None
 
-    def _barred(self) -> Reason | None:
-        """The fault or the stop that has to be reset first."""
-        return self._reason if self.state is SessionState.FAULT else self._stopped
+    def _bar(self, why: Reason) -> Reason:
+        self._reason = why
+        self._intent.end()
+        return why
 
     def _leave(self, why: Reason) -> None:
         if self.state is SessionState.FAULT:
             return
         self.state = SessionState.DISENGAGED
         self._intent.end()
-        self._reason = self._stopped or why
+        self._reason = self.halts.reason or why
 
     def _decide(self, action: Action, why: Reason | None = None) -> Decision:
         if why is not None:

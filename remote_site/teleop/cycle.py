@@ -72,7 +72,8 @@ class Snapshot(NamedTuple):
     (4 x 4), `reference` what the next targets count from, `gripper_next` what the next toggle would command, `settings`
     are the operator's in force, None without a lease, `answers` belong to the cycle's requests in their order,
     `rejected` counts refused samples. `hand_link` is None without samples of the lease's holder, and
-    `network_ms` is half a round trip as most of them show it. `assist` is None where no targets are configured.
+    `network_ms` is half a round trip as most of them show it. `halted_ns` is when the newest halt came. `assist` is
+    None where no targets are configured.
     """
 
     now_ns: int
@@ -80,6 +81,7 @@ class Snapshot(NamedTuple):
     speed_scale: float
     state: SessionState
     reason: Reason
+    halted_ns: int
     obeys: Accepted | None
     engagement: Engagement | None
     engagements: int

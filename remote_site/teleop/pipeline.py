@@ -135,6 +135,7 @@ class TeleopPipeline:
             speed_scale=self._age_limit.speed_scale,
             state=decision.state,
             reason=(self._planner.hindrance if following else None) or decision.reason,
+            halted_ns=session.halts.newest_ns,
             obeys=self._aimed if following else None,
             engagement=target.engagement,
             engagements=session.engagements,

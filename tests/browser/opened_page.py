@@ -6,6 +6,7 @@ from itertools import count
 from typing import Any
 
 PATIENCE_S = 30.0
+READING_MS = 600  # longer than the page takes for what nobody can have read
 FOLLOWING = ("engaged", "limited", "behind", "led")
 STAMPS = (
     "() => [...document.querySelectorAll('#cameras .view > canvas:first-child')].map((canvas) => canvas.toDataURL())"
@@ -87,6 +88,7 @@ class OpenedPage:
         self.page.keyboard.up("Space")
         self.wait_for("a state", lambda: self.state() in ("disengaged", "stopped", "silent"))
         if self.state() == "stopped":
+            self.page.wait_for_timeout(READING_MS)
             self.page.keyboard.press("r")
             self.wait_for("the reset", lambda: self.state() == "disengaged")
 

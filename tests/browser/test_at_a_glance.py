@@ -169,7 +169,9 @@ def test_the_first_cause_stays_in_sight_until_it_is_answered(told: Told) -> None
     told.page.wait_for("the event", lambda: any("fallen silent" in event for event in listed(told)))
     told.state = partial(scene.state, SessionState.DISENGAGED, "ok", "press Engage", session=2)
     told.until("the site that came after", lambda: told.page.state() == "disengaged")
-    assert told.page.words("#reason").startswith(f"the remote site has started again after a fault: {dead}")
+    assert told.page.words("#reason").startswith(
+        f"the remote site has started again, and knows nothing of this any more: {dead}"
+    )
     told.state = partial(scene.state, ENGAGED, "ok", FOLLOWS)
     told.until("the answer", lambda: told.page.state() == "engaged")
     told.until("nothing left to answer", lambda: dead not in told.page.words("#reason"))

@@ -1,5 +1,6 @@
 """A key acts only while its button is shown; Esc stops on every page, in every state and at every size."""
 
+import time
 from collections.abc import Iterator
 from functools import partial
 
@@ -9,7 +10,7 @@ from bench.page import scene
 from bench.page.screenshots import STATES
 from common.messages.requests import EngagementAction
 from common.messages.robot import Readiness, SessionState
-from tests.browser.opened_page import OpenedPage
+from tests.browser.opened_page import READING_MS, OpenedPage
 from tests.browser.told import Told, opened_told
 
 STOP = EngagementAction.STOP
@@ -90,6 +91,38 @@ def test_in_a_fault_e_engages_nothing_however_often_it_is_pressed(overheard: Tol
     overheard.page.page.keyboard.press("r")
     overheard.until("the reset", lambda: bool(asked))
     assert asked == [EngagementAction.RESET]
+
+
+def test_a_reset_names_what_can_have_been_read_and_an_engagement_what_is_shown(overheard: Told) -> None:
+    """A stop that comes while the operator reaches for R is not cleared by it."""
+    page, asked = overheard.page.page, overheard.sites.asked
+    first, second = 4611686018427387903, 4611686018427387904  # JavaScript takes both for one number
+
+    def shows_halt(code: str, reason: str, halted_ns: int) -> None:
+        readiness = Readiness(code != "stopped", code, reason, False)
+        overheard.state = partial(
+            scene.state, SessionState.DISENGAGED, code, reason, readiness=readiness, halted_ns=halted_ns
+        )
+        overheard.until("the reason", lambda: reason in overheard.page.words("#reason"))
+
+    def is_read() -> None:
+        ends = time.monotonic() + READING_MS / 1000
+        overheard.until("time to read it", lambda: time.monotonic() > ends)
+
+    def seen_with(key: str) -> int:
+        asked.clear()
+        page.keyboard.press(key)
+        overheard.until("the request", lambda: bool(asked))
+        return overheard.sites.seen_ns
+
+    shows_halt("stopped", "stopped by anna", first)
+    is_read()
+    shows_halt("stopped", "stopped by maintenance and anna", second)
+    assert seen_with("r") == first
+    is_read()
+    assert seen_with("r") == second
+    shows_halt("released", "disengaged on request", second + 1)
+    assert seen_with("e") == second + 1
 
 
 def test_a_page_that_only_watches_asks_for_nothing(overheard: Told) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from common.messages.robot import SessionState
-from tests.browser.opened_page import OpenedPage
+from tests.browser.opened_page import READING_MS, OpenedPage
 from tests.integration.sites import descendants
 
 STOP_WITHIN_S = 30.0  # that it comes, not how soon, which a busy machine decides
@@ -71,6 +71,7 @@ def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, page) -> None:
     page.page.wait_for_timeout(500)
     assert stand.sites.is_in(SessionState.DISENGAGED)
     page.page.keyboard.up("Space")
+    page.page.wait_for_timeout(READING_MS)
     page.page.keyboard.press("r")
     page.hold()
 
@@ -90,6 +91,7 @@ def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_th
 
     watching.page.click("#stop")
     page.wait_for("the stop", lambda: page.state() == "stopped")
+    page.page.wait_for_timeout(READING_MS)
     page.page.click("#reset")
     page.wait_for("the reset", lambda: page.state() == "disengaged")
 

@@ -190,9 +190,13 @@ class CellPair:
                 raise AssertionError(f"waited {seconds:g} s in vain for {what}: {lines} {self.states[-1:]}")
             time.sleep(0.01)
 
-    def ask(self, action: EngagementAction) -> Reply:
-        """Ask the remote site in the operator's name."""
-        return ask_engagement(RequestClient(self.link, CELL, operator=OPERATOR), action)
+    def ask(self, action: EngagementAction, seen_ns: int | None = None) -> Reply:
+        """Ask the remote site in the operator's name, who is shown what there is now, or was shown the halt given."""
+        if action in (EngagementAction.ENGAGE, EngagementAction.RESET) and seen_ns is None:
+            before = len(self.states)
+            self.wait("the state as it is now", lambda: len(self.states) > before + 1, 5)
+        client = RequestClient(self.link, CELL, operator=OPERATOR)
+        return ask_engagement(client, action, self.state.halted_ns if seen_ns is None else seen_ns)
 
     def engage(self) -> None:
         """Have the arm follow the hand, whatever had ended it, and lead it back to where it started."""

@@ -5,10 +5,13 @@ import signal
 import time
 
 from bench.network.command_socket import send
+from common.link.engagement_client import ask_engagement
+from common.link.request_client import RequestClient
 from common.messages.requests import EngagementAction
-from common.messages.robot import SessionState
+from common.messages.robot import STOPPED, SessionState
 from tests.faults.acts import hand
 from tests.faults.cell_pair import CellPair
+from tests.faults.pair_setup import CELL
 from tests.faults.process_plays import press_until_engaged, start_again
 from tests.faults.trial import Trial
 from tests.integration.sites import child_of
@@ -33,6 +36,36 @@ def reset_under_key(trial: Trial) -> None:
     pair.wait("a good hand", lambda: pair.state.readiness.ready)
     trial.stays(2.0)
     pair.wait("an engagement by a new press", lambda: press_until_engaged(pair), 10)
+
+
+def stop_behind_reset(trial: Trial) -> None:
+    """Stops of others come just before the operator's reset, and during a fault: it clears none that was not shown."""
+    pair = trial.pair
+    pair.move()
+    trial.begin(lambda pair: pair.ask(EngagementAction.STOP))
+    trial.rests(stop_within_s=0.1)
+    pair.wait("the stop", lambda: pair.state.code == STOPPED)
+    _reset_misses_a_stop(trial)
+    trial.check(pair.ask(EngagementAction.RESET).done, "a reset by who was shown the stop was refused")
+    pair.robot(fault="robot")
+    pair.wait("the fault", lambda: pair.is_in(SessionState.FAULT), 10)
+    pair.robot(fault="")
+    _reset_misses_a_stop(trial)
+    trial.stays(2.0)
+    pair.engage()
+
+
+def _reset_misses_a_stop(trial: Trial) -> None:
+    """Maintenance stops the arm after the operator has looked: the operator's reset and engagement are refused."""
+    pair, shown_ns = trial.pair, trial.pair.state.halted_ns
+    with pair.maintenance() as link:
+        ask_engagement(RequestClient(link, CELL), EngagementAction.STOP, maintenance=True)
+    reset = pair.ask(EngagementAction.RESET, shown_ns)
+    trial.check(not reset.done and "stopped by maintenance" in reset.reason, f"the reset was answered: {reset.reason}")
+    trial.check(not pair.ask(EngagementAction.ENGAGE).done, "it engaged without a reset")
+    trial.check("stopped by maintenance" in pair.state.reason, f"the state hides who stopped it: {pair.state.reason}")
+    shown = pair.state.reason.removesuffix("; reset it, then engage")
+    trial.check(any(shown in line for line in pair.remote.lines), f"no line of the log says: {shown}")
 
 
 def kill_video(trial: Trial) -> None:

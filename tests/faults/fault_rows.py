@@ -7,7 +7,7 @@ from signal import SIGCONT, SIGSTOP
 from remote_site.session.config import ACCEPTANCE
 from tests.faults.acts import control_gets, hand, impair, kill_local, robot
 from tests.faults.cell_pair import CellPair
-from tests.faults.engagement_plays import kill_video, late_hand, reset_under_key, trickle
+from tests.faults.engagement_plays import kill_video, late_hand, reset_under_key, stop_behind_reset, trickle
 from tests.faults.far_plays import cut_shortly, far, jump_of_delay, over, too_far
 from tests.faults.foreign_plays import record_strangely, slew_the_operator
 from tests.faults.forgery import (
@@ -130,6 +130,7 @@ ROWS = (
     Row("console tab closed", "STOP, LATCH within 500 ms", close_page, settings=HELD, engaged=False),
     Row("all reports of the page come 3 s late", "its key moves nothing", late_page, settings=HELD, engaged=False),
     Row("key pressed again while stopped, then reset", "STOP; the reset moves nothing, a new press does", reset_under_key, settings=HELD, engaged=False),
+    Row("a stop behind a reset", "stays stopped until a reset by who was shown that stop", stop_behind_reset, protocol="tls"),
     Row("video process killed, engaged automatically", "STOP; restart disengaged", kill_video, settings=AUTOMATIC),
     Row("the remote site restarts in another mode during a path", "STOP; the arm stays without a key, the path's program ends", restart_in_another_mode(*AUTOMATIC), settings=HELD, engaged=False),
     Row("a sample every 170 ms", "STOP, LATCH after the longest hold", trickle),

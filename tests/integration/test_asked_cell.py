@@ -47,6 +47,7 @@ def test_a_running_cell_is_shown_disengaged_and_stopped_from_a_terminal(pair: Pa
     assert barred.returncode == 1
     assert "reset it, then engage (farhand reset, or Reset on the page)" in barred.stderr
     reset = farhand("reset", "--operator", OPERATOR, sites=sites)
-    assert (reset.returncode, reset.stdout) == (0, "reset; engage to continue\n"), reset.stderr
+    cleared = "to reset: stopped by somebody; reset it, then engage\nreset; engage to continue\n"
+    assert (reset.returncode, reset.stdout) == (0, cleared), reset.stderr
     reset = farhand("maintenance", "reset", sites=sites)
     assert reset.returncode == 0, reset.stderr

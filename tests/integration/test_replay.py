@@ -32,7 +32,7 @@ def paused(pid: int, seconds: float) -> None:
 
 
 def maintain(sites: Sites, action: EngagementAction) -> None:
-    request_maintenance(CELL, sites.control, action)
+    request_maintenance(CELL, sites.control, action, print)
 
 
 def engage(sites: Sites) -> None:

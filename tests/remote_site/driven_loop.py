@@ -102,7 +102,8 @@ class DrivenLoop:
             self._hand_m = getattr(self, "_hand_m", 0.0) + speed_m_s * TICKS_PER_SAMPLE * TICK_NS / 1e9
             sample = hand(self._seq, self.clock.now_ns(), (self._hand_m, 0.0, 0.3))
             samples.append(NamedSample("operator-7", sample))
-        asked = [SessionRequest(action, "operator-7") for action in requests]
+        seen_ns = self.snapshot.halted_ns if self._ticks > 1 else 0
+        asked = [SessionRequest(action, "operator-7", seen_ns=seen_ns) for action in requests]
         now_ns = self.clock.now_ns()
         self.snapshot = self.driven.cycle(now_ns, self.leases.status(now_ns), samples, asked)
 

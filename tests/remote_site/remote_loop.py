@@ -164,7 +164,8 @@ class RemoteLoop:
     def ask(self, action: EngagementAction) -> Answer:
         """One tick with a request of the lease's holder, and what is answered."""
         lease = self.leases.current(self.clock.now_ns())
-        self.tick(requests=(SessionRequest(action, lease.holder.name if lease is not None else "nobody"),))
+        asker = lease.holder.name if lease is not None else "nobody"
+        self.tick(requests=(SessionRequest(action, asker, seen_ns=self.session.halts.newest_ns),))
         return self.snapshot.answers[0]
 
     def tick(

@@ -109,11 +109,11 @@ def test_control_plans_on_from_what_was_really_sent() -> None:
 
 def test_a_fault_withdraws_what_the_operator_asked_for() -> None:
     rig = held()
-    rig.session.fault("x")
+    rig.session.fault("x", rig.now_ns)
     assert not rig.session.held
     rig = SessionRig()
     rig.frames(29)
-    rig.session.fault("x")
+    rig.session.fault("x", rig.now_ns)
     rig.session.reset()
     assert rig.frames(90).state is SessionState.DISENGAGED
 
@@ -130,8 +130,8 @@ def test_a_path_that_is_worse_in_the_middle_is_no_retreat() -> None:
 def test_the_first_fault_is_the_one_that_is_shown() -> None:
     keeps_the_first_fault(Supervised())
     rig = engaged()
-    rig.session.fault("the brakes failed")
-    rig.session.fault("no command for 102 ms")
+    rig.session.fault("the brakes failed", rig.now_ns)
+    rig.session.fault("no command for 102 ms", rig.now_ns)
     assert "brakes" in rig.frames(1).reason.sentence
 
 
@@ -149,7 +149,7 @@ def test_after_a_jump_has_latched_the_hand_is_believed_where_it_is() -> None:
 
 def test_only_the_holder_and_maintenance_may_reset() -> None:
     rig = engaged()
-    rig.session.stop("anna")
+    rig.session.stop("anna", rig.now_ns)
     outcome = ask(rig, RESET, OTHER)
     assert (outcome.answer.done, outcome.answer.reason.code) == (False, Code.NOT_HOLDER)
     assert not rig.session.request_engage(rig.now_ns, READY).done
@@ -198,7 +198,7 @@ CHANGES: list[tuple[object, str, str, str, Callable[[], None]]] = [
         "pass",
         test_control_plans_on_from_what_was_really_sent,
     ),
-    (Session, "fault", "self._intent.end()", "pass", test_a_fault_withdraws_what_the_operator_asked_for),
+    (Session, "_bar", "self._intent.end()", "pass", test_a_fault_withdraws_what_the_operator_asked_for),
     (ClearanceCheck, "_worst", "RETREAT_CHECKS", "2", test_a_path_that_is_worse_in_the_middle_is_no_retreat),
     (
         DriverSupervisor,

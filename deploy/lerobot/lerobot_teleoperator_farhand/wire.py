@@ -1,13 +1,13 @@
-"""What this package needs of Farhand's wire protocol, version 15: three messages, as docs/wire-protocol.md has them."""
+"""What this package needs of Farhand's wire protocol, version 16: three messages, as docs/wire-protocol.md has them."""
 
 import struct
 from typing import Any, NamedTuple
 
 import msgpack
 
-VERSION = 15
+VERSION = 16
 MOST_BYTES, MOST_ITEMS = 16384, 64
-STATE_FIELDS = 30  # of RobotState, in their order; the first ones are named below
+STATE_FIELDS = 31  # of RobotState, in their order; the first ones are named below
 SESSION, SEQ, T_NS, STATE, CODE, REASON = range(6)
 Q_COMMANDED, BASE_T_TOOL, GRIPPER, GRIPPER_NEXT, TARGET = 9, 10, 11, 13, 22
 STATES = "disengaged", "engaged", "holding", "fault"

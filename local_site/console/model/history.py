@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from common.clock import NS_PER_S
 from common.link.channels import STATE
-from common.messages.robot import RobotState
+from common.messages.robot import STOPPED, RobotState, SessionState
 from local_site.console.model.unanswered import UnansweredFault
 
 KEPT = 30
@@ -26,7 +26,7 @@ class Event:
 
 
 class History:
-    """Keeps the last events; a repetition is not noted. `unanswered` is the fault with which a remote site ended."""
+    """Keeps the last events; a repetition is not noted. `unanswered` is the fault or stop in which a site has ended."""
 
     def __init__(self) -> None:
         self.events: deque[Event] = deque(maxlen=KEPT)
@@ -69,7 +69,7 @@ class History:
             self.note("link", f"the remote site answers again after {silent_s:.1f} s", now_ns)
 
     def add_state(self, state: RobotState, now_ns: int) -> None:
-        """Note a change of state, of its code, of the links' trouble, or of who holds the lease."""
+        """Note a change of state, of its code or who stopped it, of the links' trouble, or of who holds the lease."""
         self.unanswered.see(state)
         self._note_session(state, now_ns)
         self._note_links(state, now_ns)
@@ -113,10 +113,12 @@ class History:
             self.note("link", f"the reference has moved by {moved}: the hand's way during the hold is lost", now_ns)
 
     def _note_session(self, state: RobotState, now_ns: int) -> None:
+        is_barred = state.code == STOPPED or state.state is SessionState.FAULT
+        why = state.reason if is_barred else state.code  # a stop behind another one changes the reason alone
         same_state = self._last.get("state") == state.state.value
-        if same_state and (self._last.get("code") == state.code or now_ns - self._noted_ns < QUIET_NS):
+        if same_state and (self._last.get("why") == why or now_ns - self._noted_ns < QUIET_NS):
             return
-        self._last |= {"state": state.state.value, "code": state.code}
+        self._last |= {"state": state.state.value, "why": why}
         self._noted_ns = now_ns
         word = state.state.value
         self.note(word, state.reason if state.reason.startswith(word) else f"{word}: {state.reason}", now_ns)

@@ -13,6 +13,7 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, RecordAction
 from common.messages.robot import Asker
 
+Digits = Annotated[str, Meta(pattern=r"^[0-9]{1,19}$")]  # a number that JavaScript would round
 Milliseconds = Annotated[float, Meta(ge=0, le=1e15)]
 
 
@@ -61,17 +62,21 @@ class Shown(PageMessage, frozen=True, tag="shown"):
 
 
 class Ask(PageMessage, frozen=True, tag="ask"):
-    """A request for the remote site's session; `id` comes back with the answer."""
+    """A request for the remote site's session; `id` comes back with the answer.
+
+    `seen` is the newest halt that the page has shown for long enough to be read (`RobotState.halted_ns`).
+    """
 
     id: Count
     action: EngagementAction
+    seen: Digits = "0"
 
 
 class ShownAsker(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Who asks for the lease, as the page showed it; the session in decimal, since JavaScript would round it."""
+    """Who asks for the lease, as the page showed it."""
 
     name: Name
-    session: Annotated[str, Meta(pattern=r"^[0-9]{1,19}$")]
+    session: Digits
 
     @property
     def asker(self) -> Asker:

@@ -81,6 +81,7 @@ def _robot_fields(newest: NewestMessages, state: RobotState, now_ns: int) -> dic
     return fields | {
         "heard_ms": (now_ns - newest.state_ns) / NS_PER_MS,
         "silent": now_ns - newest.state_ns > STATE.stale_after_ns,
+        "halted_ns": str(state.halted_ns),  # JavaScript would round it
         "lease_left_ms": (state.lease.expires_ns - state.t_ns) / NS_PER_MS if state.lease is not None else None,
     }
 

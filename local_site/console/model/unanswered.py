@@ -1,10 +1,10 @@
-"""The fault with which a remote site ended, until an operator answers it at the one that came after; pure."""
+"""The fault or stop with which a remote site ended, until an operator answers it at the one that came after; pure."""
 
-from common.messages.robot import RobotState, SessionState
+from common.messages.robot import SITE_ENDED, STOPPED, RobotState, SessionState
 
 
 class UnansweredFault:
-    """Keeps the fault of a remote site that was started again before anybody reset it; the new one knows nothing of it.
+    """Keeps the fault or stop of a remote site that was started again before a reset; the new one knows nothing of it.
 
     A reset answers it, and so does an engagement of the new site.
     """
@@ -15,8 +15,10 @@ class UnansweredFault:
         self.reason: str | None = None
 
     def see(self, state: RobotState) -> None:
-        """Take the newest state; `reason` is then the fault's sentence, None where none is left to answer."""
-        if state.state is SessionState.FAULT:
+        """Take the newest state; `reason` is then the former site's sentence, None where none is left to answer."""
+        if state.code == SITE_ENDED:
+            return
+        if state.state is SessionState.FAULT or state.code == STOPPED:
             self._session, self._reason, self.reason = state.session, state.reason, None
         elif self._session not in (None, state.session) and state.state is SessionState.DISENGAGED:
             self.reason = self._reason

@@ -26,7 +26,7 @@ export const saidOf = (isReplay) => (isReplay ? RECORDED : LIVE);
 
 export const lostCondition = (said) => ({ name: "lost", tone: "fault", word: "no connection", sentence: said.lost });
 
-/** The condition of the newest state under the operator's settings. `unanswered` is the fault of a remote site that has
+/** The condition of the newest state under the operator's settings. `unanswered` is the fault or stop of a remote site that has
  * been started again since, null without one; `operator` is whose page this is. */
 export function conditionOf(robot, settings, unanswered, operator, said) {
   if (robot === null) return { name: "none", tone: "fault", word: said.noneWord, sentence: said.none };
@@ -77,7 +77,7 @@ function lockWords(settings) {
 }
 
 function sentenceOf(robot, settings, unanswered) {
-  const before = unanswered === null ? [] : [`the remote site has started again after a fault: ${unanswered}`];
+  const before = unanswered === null ? [] : [`the remote site has started again, and knows nothing of this any more: ${unanswered}`];
   const missing = robot.state === "disengaged" && robot.readiness.reason !== robot.reason ? [robot.readiness.reason] : [];
   const following = robot.state === "engaged" ? [behindWords(robot), lockWords(settings)] : [];
   return [...before, robot.reason, ...following, ...missing, ...troubles(robot)].filter(Boolean).join(" · ");

@@ -1,5 +1,6 @@
 // The operator's controls: who operates, engaging, scales, clutch and locks, and the facts beside them.
 import { pressByKey } from "./keys.js";
+import { ShownHalts } from "./shown_halts.js";
 import { mark, put } from "./words.js";
 
 const KEYS = { e: "engage", d: "disengage", r: "reset", c: "clutch" };
@@ -22,6 +23,7 @@ export class Controls {
   #isBack = false;
   #steeredMs = -Infinity;
   #leaseAct = null;
+  #halts = new ShownHalts();
   #forgotten = null;
   #buttons = Object.fromEntries(Object.values(KEYS).map((name) => [name, element(name)]));
   #locks = [...document.querySelectorAll("[data-lock]")];
@@ -85,6 +87,7 @@ export class Controls {
     this.#showSettings(settings);
     this.#showFacts(robot, hand);
     this.#enable();
+    if (robot !== null) this.#halts.show(robot.halted_ns, performance.now());
     this.#refusedIn ??= robot?.state ?? null;
     if (robot !== null && robot.state !== this.#refusedIn) this.#alert.clear("controls");
   }
@@ -142,9 +145,10 @@ export class Controls {
     if (this.#leaseAct !== null) put(element("lease-button"), this.#leaseAct.words);
   }
 
+  /** A reset names what its operator can have read, so that it clears no stop that came a moment ago. */
   #act(name) {
     if (name === "clutch") this.#connection.send({ type: "clutch" });
-    else this.#connection.ask({ type: "ask", action: name });
+    else this.#connection.ask({ type: "ask", action: name, seen: name === "reset" ? this.#halts.readBy(performance.now()) : this.#halts.newest });
   }
 
   /** Consent names who was shown to ask: it is void for anybody who asks by the time it arrives. */

@@ -1,5 +1,6 @@
 """Requests on a clock moved by hand: when they are sent, sent again and given up."""
 
+import threading
 from collections.abc import Callable
 from functools import partial
 from typing import Any, cast
@@ -84,6 +85,24 @@ def test_a_request_that_nobody_answers_is_given_up_at_its_deadline() -> None:
     answer, link = asked(lambda *_: None)
     assert answer is None
     assert len(link.asked) == PATIENCE_NS // ATTEMPT_NS
+
+
+@pytest.mark.parametrize("after", [0, 1, 2])
+def test_a_request_that_is_withdrawn_is_not_sent_again(after: int) -> None:
+    clock, withdrawn = FakeClock(), threading.Event()
+
+    def answering(_: EngagementRequest, attempt: int) -> None:
+        if attempt == after:
+            withdrawn.set()
+
+    link = FakeLink(clock, answering)
+    if after == 0:
+        withdrawn.set()
+    client = RequestClient(cast(Link, link), "lab", operator="anna", clock=clock)
+    with pytest.raises(TransportError, match="a stop, or an end of the engagement, was asked for after it"):
+        ask_engagement(client, EngagementAction.RESET, 5, withdrawn=withdrawn)
+    assert len(link.asked) == after
+    assert {request.seen_ns for _, request in link.asked} <= {5}
 
 
 def test_the_deadline_is_in_the_remote_sites_clock() -> None:

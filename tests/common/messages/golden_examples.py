@@ -195,6 +195,7 @@ STATE = RobotState(
         ),
     ),
     recording=RECORDING,
+    halted_ns=1_234_000_000_000,
 )
 VIDEO = VideoFrame(
     camera="front_high",
@@ -210,7 +211,7 @@ VIDEO = VideoFrame(
     data=b"\xff\xd8\xff\xd9",
     ahead_ns=-270_927_093,
 )
-RESET = EngagementRequest(id=5, deadline_ns=10**12, action=EngagementAction.RESET)
+RESET = EngagementRequest(id=5, deadline_ns=10**12, action=EngagementAction.RESET, seen_ns=10**11)
 LEASE = LeaseRequest(id=6, deadline_ns=10**12, action=LeaseAction.RENEW, session=7, lease=8)
 LEASE_REPLY = LeaseReply(
     id=6,

@@ -62,7 +62,7 @@ def test_a_changed_byte_gives_a_valid_message_or_a_rejection(position: int, valu
 
 def test_a_stop_among_the_other_requests_is_refused_since_it_could_be_displaced_there() -> None:
     fields = msgpack.unpackb(encode(golden.RESET))
-    fields[-1] = list(EngagementAction).index(EngagementAction.STOP)
+    fields[-2] = list(EngagementAction).index(EngagementAction.STOP)
     with pytest.raises(MessageError, match="a stop is a StopRequest"):
         decode(msgpack.packb(fields), EngagementRequest, LARGE)
 

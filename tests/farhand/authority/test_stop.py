@@ -6,14 +6,23 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from common.clock import NS_PER_MS
 from common.errors import ConfigError, InterruptionError, TransportError
-from common.messages.requests import Reply
+from common.messages.requests import EngagementAction, Reply
+from common.messages.robot import RobotState, SessionState
 from farhand.authority import engage
-from farhand.authority.engage import request_disengage, request_engage, request_reset, request_stop
+from farhand.authority.engage import (
+    request_disengage,
+    request_engage,
+    request_maintenance,
+    request_reset,
+    request_stop,
+)
 from farhand.certificates.folder import CertificateOrder, create
 from tests.common.link.secured_cell import ANNA, BEN, CELL, OPERATORS, Cell, free_port, running, secured
+from tests.common.messages.golden_examples import STATE
 
 ACKNOWLEDGED = r"STOP acknowledged at \d\d:\d\d:\d\d UTC, after \d+ ms: "
 NOT = "STOP NOT ACKNOWLEDGED: the arm may still move, use the emergency stop. "
@@ -86,9 +95,22 @@ def test_ctrl_c_before_an_answer_is_no_acknowledgement(monkeypatch: pytest.Monke
         request_stop(CELL, f"tcp/127.0.0.1:{free_port()}", ANNA)
 
 
+@pytest.fixture
+def stopped(monkeypatch: pytest.MonkeyPatch) -> RobotState:
+    """The state of a site that maintenance has stopped."""
+    state = replace(STATE, state=SessionState.DISENGAGED, reason="stopped by maintenance", halted_ns=7)
+    monkeypatch.setattr(engage, "newest_state", lambda *_: state)
+    return state
+
+
+def reset(cell: str, endpoint: str, operator: str) -> str:
+    return request_reset(cell, endpoint, operator, print)
+
+
+@pytest.mark.usefixtures("stopped")
 @pytest.mark.parametrize(
     ("ask", "begins"),
-    [(request_stop, NOT), (request_disengage, "not disengaged ("), (request_reset, "not reset (")],
+    [(request_stop, NOT), (request_disengage, "not disengaged ("), (reset, "not reset (")],
 )
 def test_a_reply_that_refuses_is_no_success(ask, begins: str, monkeypatch: pytest.MonkeyPatch) -> None:
     refused = Reply(id=0, done=False, code="not_holder", reason="ben holds the lease")
@@ -98,6 +120,28 @@ def test_a_reply_that_refuses_is_no_success(ask, begins: str, monkeypatch: pytes
     assert str(told.value).startswith(begins)
 
 
+def test_a_reset_says_what_it_clears_and_names_no_more_than_that(
+    stopped: RobotState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked, told = [], []
+
+    def ask(_client: object, action: EngagementAction, seen_ns: int, *, maintenance: bool = False) -> Reply:
+        asked.append((action, seen_ns, maintenance))
+        assert len(told) == len(asked), "it says so first"
+        return Reply(id=0, done=True, code="reset", reason="reset")
+
+    monkeypatch.setattr(engage, "ask_engagement", ask)
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
+    request_reset(CELL, endpoint, ANNA, told.append)
+    request_maintenance(CELL, endpoint, EngagementAction.RESET, told.append)
+    assert told == ["to reset: stopped by maintenance"] * 2
+    told.append("an engagement says nothing before its reply")
+    request_engage(CELL, endpoint, ANNA)
+    reset, engaged = EngagementAction.RESET, EngagementAction.ENGAGE
+    assert asked == [(reset, 7, False), (reset, 7, True), (engaged, stopped.halted_ns, False)]
+
+
+@pytest.mark.usefixtures("stopped")
 @pytest.mark.parametrize("code", ["stopped", "fault", "robot_not_ready"])
 def test_an_engagement_that_needs_a_reset_first_names_the_command(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     refused = Reply(id=0, done=False, code=code, reason="reset it, then engage")

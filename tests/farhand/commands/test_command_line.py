@@ -121,7 +121,7 @@ def test_every_command_has_help(command: list[str], here) -> None:
         (["stop", "--config", "absent.toml"], 2, "use the emergency stop. cannot read the configuration absent.toml"),
         (["status", "--remote", "tcp/127.0.0.1:9"], 1, "check that 'farhand remote' runs there"),
         (["disengage", "--remote", "tcp/127.0.0.1:9"], 1, "nobody answered"),
-        (["reset", "--remote", "tcp/127.0.0.1:9"], 1, "nobody answered"),
+        (["reset", "--remote", "tcp/127.0.0.1:9"], 1, "is the remote site of cell cell running?"),
         (["lease", "take", "--local", "tcp/127.0.0.1:9"], 1, "nobody answered"),
         (["lease", "show", "--remote", "tcp/127.0.0.1:9"], 1, "is the remote site of cell cell running?"),
         (["calibrate", "points", "absent.csv"], 1, "absent.csv"),

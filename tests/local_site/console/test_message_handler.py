@@ -38,23 +38,27 @@ class Told:
 
 
 class Sites:
-    """Answer everything; engaging only once they are let."""
+    """Answer everything; engaging only once they are let, where nothing has withdrawn it by then."""
 
     def __init__(self) -> None:
         self.asked: list[str] = []
+        self.seen_ns: list[int] = []
         self.slow = threading.Event()
         self.stopping = threading.Event()
         self.stopping.set()
         self.on_stop: Callable[[], object] = list
         self.consented: Asker | None = None
 
-    def engagement(self, action: EngagementAction) -> Reply:
+    def engagement(self, action: EngagementAction, seen_ns: int = 0, withdrawn: threading.Event | None = None) -> Reply:
         if action is EngagementAction.STOP:
             self.on_stop()
             self.stopping.wait(5)
         else:
             self.slow.wait(5)
+        if withdrawn is not None and withdrawn.is_set():
+            return Reply(id=1, done=False, code="silent", reason="not sent any more")
         self.asked.append(action.value)
+        self.seen_ns.append(seen_ns)
         return Reply(id=1, done=True, code="ok", reason="as asked")
 
     def lease(self, action: OperatorAction, to: Asker | None) -> Reply:
@@ -135,6 +139,48 @@ def test_a_stop_never_waits_behind_other_requests(room: Room) -> None:
         assert len(await room.wait_for_answers(room.first, 1 + MOST_WAITING)) == 1 + MOST_WAITING
 
     asyncio.run(talk())
+
+
+@pytest.mark.parametrize(("last", "by"), [("stop", "first"), ("stop", "second"), ("disengage", "first")])
+def test_nothing_that_moves_the_arm_overtakes_a_later_stop_or_disengagement(room: Room, last: str, by: str) -> None:
+    """Resets and engagements that nobody has answered yet are not sent again, nor are those that wait for a thread."""
+
+    async def talk() -> None:
+        for number, action in enumerate(("reset", "engage", "engage", "engage")):
+            room.say(room.first, type="ask", id=number, action=action)
+        room.say(getattr(room, by), type="ask", id=9, action=last)
+        room.sites.slow.set()
+        answers = await room.wait_for_answers(room.first, 5 if by == "first" else 4)
+        assert [answer["done"] for answer in answers if answer["id"] != 9] == [False] * 4
+        await room.wait_for_answers(getattr(room, by), 1)
+        room.say(room.first, type="ask", id=10, action="engage")
+        await room.wait_for_answers(room.first, len(room.first.answers) + 1)
+
+    asyncio.run(talk())
+    assert room.sites.asked == [last, "engage"]
+
+
+def test_a_page_that_only_watches_withdraws_nothing_by_a_disengagement(room: Room) -> None:
+    async def talk() -> None:
+        room.say(room.first, type="ask", id=1, action="engage")
+        room.say(room.second, type="ask", id=2, action="disengage")
+        room.sites.slow.set()
+        await room.wait_for_answers(room.first, 1)
+
+    asyncio.run(talk())
+    assert room.sites.asked == ["engage"]
+
+
+def test_a_request_names_the_halt_that_the_page_showed(room: Room) -> None:
+    room.sites.slow.set()
+    shown = "9223372036854775807"  # JavaScript would round it
+
+    async def talk() -> None:
+        room.say(room.first, type="ask", id=1, action="reset", seen=shown)
+        await room.wait_for_answers(room.first, 1)
+
+    asyncio.run(talk())
+    assert room.sites.seen_ns == [int(shown)]
 
 
 def test_of_twenty_thousand_questions_of_one_page_a_few_wait_and_the_rest_is_refused_at_once(room: Room) -> None:
@@ -221,6 +267,8 @@ def test_a_beat_counts_from_the_consoles_time_that_its_page_had_heard(room: Room
         '{"type": "beat", "page_ms": 1, "heard_ms": -1, "down": true}',
         '{"type": "ask", "id": 1, "action": "move"}',
         '{"type": "ask", "id": -1, "action": "stop"}',
+        '{"type": "ask", "id": 1, "action": "reset", "seen": 7}',
+        '{"type": "ask", "id": 1, "action": "reset", "seen": "-7"}',
         '{"type": "ask_lease", "id": 1, "action": "give", "to": {"name": "ben", "session": 7}}',
         '{"type": "ask_lease", "id": 1, "action": "give", "to": {"name": "ben", "session": "-7"}}',
         '{"type": "steer", "scale": 50}',

@@ -147,7 +147,8 @@ class StartedSite:
         """Let time pass with a hand at rest; the operator asks for these in the first tick."""
         assert isinstance(self._lease, Lease)
         number, holder = self._lease.number, self._lease.holder
-        requests = [SessionRequest(action, holder.name) for action in actions]
+        seen_ns = self.snapshot.halted_ns if actions else 0
+        requests = [SessionRequest(action, holder.name, seen_ns=seen_ns) for action in actions]
         for turn in range(round(ms / TURN_MS)):
             self._turn_robot(TURN_MS)
             if turn % TURNS_PER_TICK:

@@ -1,5 +1,6 @@
 """Control around an activation: a robot that answers within a tick is commanded from where it was activated."""
 
+from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
@@ -16,6 +17,7 @@ from remote_site.runtime import control
 from remote_site.runtime.control import ControlLoop
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.site_memory import SiteMemory
+from remote_site.session.halts import Halts
 from remote_site.session.requests import SessionRequest
 from tests.remote_site.remote_loop import TICK_NS, RemoteLoop
 
@@ -53,11 +55,14 @@ class NoReport:
 
 
 class Requests:
-    """An inbox without samples, in which one request after the other waits; `answers` are the replies."""
+    """An inbox without samples, in which one request after the other waits, from the second tick on.
+
+    Each is of somebody who was shown the newest of `halts`; `answers` are the replies.
+    """
 
     def __init__(self, operator, actions, *, maintenance=False):
-        self._waiting = [SessionRequest(action, operator, maintenance) for action in actions]
-        self.answers, self.refusals = [], NoReport()
+        self._waiting = [None, *(SessionRequest(action, operator, maintenance) for action in actions)]
+        self.answers, self.refusals, self.halts = [], NoReport(), Halts()
 
     def samples(self):
         """No hand sample."""
@@ -65,12 +70,13 @@ class Requests:
 
     def requests(self, _now_ns):
         """The next request, if one waits."""
-        return [(self._waiting.pop(0), self.answers.append)] if self._waiting else []
+        request = self._waiting.pop(0) if self._waiting else None
+        return [(replace(request, seen_ns=self.halts.newest_ns), self.answers.append)] if request else []
 
 
 def run_control(loop, robot, inbox, ticks):
     """Tick the control loop of a robot."""
-    driven = DrivenPipeline(loop.pipeline, robot)
+    driven, inbox.halts = DrivenPipeline(loop.pipeline, robot), loop.session.halts
     ticking = ControlLoop(driven, loop.leases, inbox, NoReport(), NoReport(), None, SiteMemory())
     for k in range(1, ticks + 1):
         ticking.tick(loop.clock.now_ns() + k * TICK_NS)
@@ -80,7 +86,7 @@ def test_an_engagement_wakes_no_robot_that_has_stopped():
     loop = RemoteLoop()
     robot = QuickRobot(loop.config.robot.start, loop.config.robot.start)
     inbox = Requests("operator-7", [EngagementAction.ENGAGE] * 3)
-    run_control(loop, robot, inbox, 3)
+    run_control(loop, robot, inbox, 4)
     assert not any(answer.done for answer in inbox.answers)
     assert robot.fault is STOPPED
     assert robot.written == []
@@ -111,7 +117,7 @@ def test_a_robot_that_is_awake_within_a_tick_is_commanded_from_where_it_was_acti
     start = loop.config.robot.start
     robot = QuickRobot(start, start + 2e-5)
     inbox = Requests("operator-7", [EngagementAction.RESET], maintenance=True)
-    run_control(loop, robot, inbox, 3)
+    run_control(loop, robot, inbox, 4)
     assert [answer.reason.code.value for answer in inbox.answers] == ["reset"]
     assert len(robot.written) == 2
     assert all((command.q == robot.q).all() for command in robot.written)

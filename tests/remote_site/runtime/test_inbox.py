@@ -40,7 +40,8 @@ def ask(link: Link, key: str, payload: bytes) -> None:
 def flood(link: Link, key: str) -> None:
     for number in range(2 * PENDING_REQUESTS):
         deadline_ns = time.monotonic_ns() + 5_000_000_000
-        ask(link, key, encode(EngagementRequest(id=number, deadline_ns=deadline_ns, action=EngagementAction.ENGAGE)))
+        request = EngagementRequest(id=number, deadline_ns=deadline_ns, action=EngagementAction.ENGAGE, seen_ns=5)
+        ask(link, key, encode(request))
         time.sleep(APART_S)
     time.sleep(ARRIVES_S)
 
@@ -69,7 +70,7 @@ def test_a_stop_is_never_displaced_and_comes_first(
     waiting = [request for request, _ in inbox.requests(time.monotonic_ns())]
     assert len(waiting) == 2
     assert waiting[0] == SessionRequest(EngagementAction.STOP, asker, maintenance=asker == MAINTENANCE_NAME)
-    assert waiting[1].action is EngagementAction.ENGAGE
+    assert (waiting[1].action, waiting[1].seen_ns) == (EngagementAction.ENGAGE, 5)
 
 
 def test_the_offset_in_a_sample_is_led_on_by_what_this_clock_was_slewed_since(links: list[Link]) -> None:

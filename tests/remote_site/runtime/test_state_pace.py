@@ -7,8 +7,9 @@ from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.runtime.state_pace import HEADER_BYTES, LEAST_WINDOW_BYTES, UNKNOWN_MS, StatePace
 
-FOLLOWS = SessionState.ENGAGED, Code.OK
-HOLDS = SessionState.HOLDING, Code.STALE
+FOLLOWS = SessionState.ENGAGED, Code.OK, 0
+HOLDS = SessionState.HOLDING, Code.STALE, 0
+STOPPED, STOPPED_AGAIN = ((SessionState.DISENGAGED, Code.STOPPED, halted_ns) for halted_ns in (1, 2))
 TICKS_NS = range(0, 10 * NS_PER_S, 20 * NS_PER_MS)
 
 
@@ -43,3 +44,11 @@ def test_a_change_is_sent_immediately_and_once() -> None:
     assert not pace.is_due(20 * NS_PER_MS, FOLLOWS, 120.0)
     assert pace.is_due(40 * NS_PER_MS, HOLDS, 120.0)
     assert not pace.is_due(60 * NS_PER_MS, HOLDS, 120.0)
+
+
+def test_a_stop_behind_another_one_is_sent_immediately() -> None:
+    pace = StatePace()
+    assert pace.is_due(0, STOPPED, 120.0)
+    pace.sent(650)
+    assert not pace.is_due(20 * NS_PER_MS, STOPPED, 120.0)
+    assert pace.is_due(40 * NS_PER_MS, STOPPED_AGAIN, 120.0)

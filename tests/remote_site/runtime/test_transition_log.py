@@ -13,7 +13,7 @@ def test_every_change_of_the_state_is_logged_once() -> None:
     with capture_logs() as lines:
         for state in (SessionState.DISENGAGED, SessionState.ENGAGED, SessionState.DISENGAGED):
             for _ in range(250):
-                log.note(state, reason(Code.READY), 0)
+                log.note(state, reason(Code.READY), 0, 0)
     assert [(line["event"], line["state"], line["code"]) for line in lines] == [
         ("session", "disengaged", "ready"),
         ("session", "engaged", "ready"),
@@ -25,7 +25,7 @@ def test_a_stop_and_a_reset_are_logged_where_the_arm_is_disengaged_already() -> 
     log = TransitionLog()
     with capture_logs() as lines:
         for why in (Code.READY, Code.STOPPED, Code.STOPPED, Code.RESET, Code.RESET, Code.READY, Code.STOPPED):
-            log.note(SessionState.DISENGAGED, reason(why, operator="maintenance"), 0)
+            log.note(SessionState.DISENGAGED, reason(why, operator="maintenance"), 0, 0)
     assert [line["code"] for line in lines] == ["ready", "stopped", "reset", "stopped"]
 
 
@@ -33,7 +33,8 @@ def test_an_arm_that_holds_and_follows_all_the_time_does_not_fill_the_log() -> N
     log = TransitionLog()
     with capture_logs() as lines:
         for tick in range(1250):  # five seconds
-            log.note((SessionState.ENGAGED, SessionState.HOLDING)[tick // 10 % 2], reason(Code.READY), tick * 4_000_000)
+            state = (SessionState.ENGAGED, SessionState.HOLDING)[tick // 10 % 2]
+            log.note(state, reason(Code.READY), 0, tick * 4_000_000)
     assert [line.get("changes", 1) for line in lines] == [1, 25, 25, 25, 25]
 
 

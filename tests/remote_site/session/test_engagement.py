@@ -62,7 +62,7 @@ def test_good_samples_before_the_first_tick_engage_nothing_unasked():
         (lambda rig: rig.frames(30, MOVING), MOVING, Code.MOVING),
         (lambda rig: (rig.frames(40), rig.wait(101)), READY, Code.STALE),
         (lambda rig: (rig.frames(40), rig.session.sample(LOST)), READY, Code.LOST),
-        (lambda rig: rig.session.fault("driver died"), READY, Code.FAULT),
+        (lambda rig: rig.session.fault("driver died", rig.now_ns), READY, Code.FAULT),
         (lambda rig: (rig.frames(40), rig.session.authorise(None)), READY, Code.NO_LEASE),
         (lambda rig: (rig.frames(40), rig.session.sample(NO_OFFSET)), READY, Code.NO_OFFSET),
         (lambda rig: (rig.frames(40), rig.session.sample(OLD_OFFSET)), READY, Code.OLD_OFFSET),
@@ -106,7 +106,7 @@ def test_a_new_session_before_the_first_engagement_disarms_the_automatic_one():
 def test_disengaging_before_the_first_engagement_disarms_the_automatic_one():
     rig = SessionRig()
     rig.frames(10)
-    rig.session.request_disengage()
+    rig.session.request_disengage(rig.now_ns)
     assert rig.frames(100).state is SessionState.DISENGAGED
 
 

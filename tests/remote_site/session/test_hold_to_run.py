@@ -24,7 +24,7 @@ HELD_DOWN = [(EngagementMode.HOLD_TO_RUN, "key"), (EngagementMode.PEDAL, "pedal"
 @pytest.mark.parametrize("mode", [mode for mode, _ in HELD_DOWN])
 def test_during_a_fault_nothing_counts_as_held(mode):
     rig = held(mode)
-    rig.session.fault("x")
+    rig.session.fault("x", rig.now_ns)
     assert not rig.session.held
     rig.frames(3, held=True)
     assert not rig.session.held
@@ -38,7 +38,9 @@ def test_before_the_first_sample_nothing_counts_as_held(mode):
 
 
 @pytest.mark.parametrize("mode", [mode for mode, _ in HELD_DOWN])
-@pytest.mark.parametrize("bar", [lambda rig: rig.session.stop("ben"), lambda rig: rig.session.fault("x")])
+@pytest.mark.parametrize(
+    "bar", [lambda rig: rig.session.stop("ben", rig.now_ns), lambda rig: rig.session.fault("x", rig.now_ns)]
+)
 def test_an_input_pressed_while_barred_has_to_be_released_after_the_reset(mode, bar):
     rig = held(mode)
     bar(rig)
@@ -104,8 +106,8 @@ def test_an_input_that_was_never_seen_let_go_engages_nothing():
         lambda rig: (rig.session.authorise(None), rig.session.authorise(LEASE)),
         lambda rig: rig.session.sample(good(rig.now_ns, new_session=True, held=True)),
         lambda rig: rig.wait(4, DEAD),
-        lambda rig: (rig.session.fault("x"), rig.session.reset()),
-        lambda rig: rig.session.request_disengage(),
+        lambda rig: (rig.session.fault("x", rig.now_ns), rig.session.reset()),
+        lambda rig: rig.session.request_disengage(rig.now_ns),
     ],
 )
 def test_an_input_still_held_after_the_end_of_an_engagement_has_to_be_pressed_anew(end):
@@ -135,7 +137,7 @@ def test_letting_go_counts_even_in_a_sample_whose_hand_is_lost():
 def test_a_silent_page_is_no_sight_of_a_key_let_go(barred):
     rig = held()
     if barred:
-        rig.session.stop("ben")
+        rig.session.stop("ben", rig.now_ns)
         rig.session.reset()
     assert rig.unreported().state is SessionState.DISENGAGED
     assert rig.frames(40, held=True).state is SessionState.DISENGAGED
@@ -158,6 +160,6 @@ def test_readiness_is_told_apart_from_what_the_operator_wants():
     assert not rig.session.held
     rig.frames(1, held=True)
     assert rig.session.held
-    rig.session.fault("x")
+    rig.session.fault("x", rig.now_ns)
     answer = rig.session.readiness(rig.now_ns, READY)
     assert (answer.done, answer.reason.code) == (False, Code.FAULT)

@@ -16,9 +16,10 @@ STOP, RESET = EngagementAction.STOP, EngagementAction.RESET
 HOLDER, OTHER = "anna", "ben"
 
 
-def ask(rig, action, operator=HOLDER, *, maintenance=False, lease=LEASE, robot=READY):
-    """The outcome of one request."""
-    request = SessionRequest(action, operator, maintenance)
+def ask(rig, action, operator=HOLDER, *, maintenance=False, lease=LEASE, robot=READY, seen_ns=None):
+    """The outcome of one request, of somebody who was shown the newest halt, or the one at `seen_ns`."""
+    shown_ns = rig.session.halts.newest_ns if seen_ns is None else seen_ns
+    request = SessionRequest(action, operator, maintenance, shown_ns)
     return RequestHandler(rig.session).handle(request, lease, robot, rig.now_ns)
 
 
@@ -39,7 +40,7 @@ def test_anybody_may_stop_the_arm(operator, maintenance, lease):
 )
 def test_holder_and_maintenance_may_reset(operator, maintenance, lease):
     rig = engaged()
-    rig.session.stop(OTHER)
+    rig.session.stop(OTHER, rig.now_ns)
     outcome = ask(rig, RESET, operator, maintenance=maintenance, lease=lease)
     assert (outcome.answer.done, outcome.answer.reason.code, outcome.activate) == (True, Code.RESET, False)
     rig.frames(40)
@@ -66,7 +67,7 @@ REFUSALS = [
 @pytest.mark.parametrize(("action", "operator", "maintenance", "lease", "expected"), REFUSALS)
 def test_everybody_else_is_refused_and_changes_nothing(action, operator, maintenance, lease, expected):
     rig, faulty = engaged(), engaged()
-    faulty.session.fault("the driver process died")
+    faulty.session.fault("the driver process died", faulty.now_ns)
     for each, state in ((rig, SessionState.ENGAGED), (faulty, SessionState.FAULT)):
         outcome = ask(each, action, operator, maintenance=maintenance, lease=lease, robot=DEAD)
         assert (outcome.answer.done, outcome.answer.reason.code, outcome.activate) == (False, expected, False)
@@ -78,7 +79,7 @@ def test_everybody_else_is_refused_and_changes_nothing(action, operator, mainten
 def test_an_engagement_clears_no_fault_however_often_it_is_asked_for(mode, robot):
     rig = SessionRig(mode=mode)
     rig.frames(30)
-    rig.session.fault("the driver process died")
+    rig.session.fault("the driver process died", rig.now_ns)
     for _ in range(3):
         outcome = ask(rig, ENGAGE, robot=robot)
         assert (outcome.answer.done, outcome.answer.reason.code, outcome.activate) == (False, Code.FAULT, False)
@@ -104,14 +105,14 @@ def test_only_a_reset_activates_a_robot_that_takes_no_commands(fault):
 
 def test_an_engagement_under_a_stop_is_refused_and_activates_nothing():
     rig = engaged()
-    rig.session.stop(OTHER)
+    rig.session.stop(OTHER, rig.now_ns)
     outcome = ask(rig, ENGAGE, robot=DEAD)
     assert (outcome.answer.done, outcome.answer.reason.code, outcome.activate) == (False, Code.STOPPED, False)
 
 
 def test_resetting_a_robot_that_is_not_ready_activates_it_too():
     rig = engaged()
-    rig.session.fault("brakes on")
+    rig.session.fault("brakes on", rig.now_ns)
     outcome = ask(rig, RESET, robot=DEAD)
     assert (outcome.answer.done, outcome.activate) == (True, True)
     assert rig.session.state is SessionState.DISENGAGED

@@ -66,12 +66,12 @@ class SessionMachine(RuleBasedStateMachine):
 
     @rule()
     def disengage(self):
-        self.session.request_disengage()
+        self.session.request_disengage(self.now_ns)
         self.end()
 
     @rule()
     def fail(self):
-        self.session.fault("x")
+        self.session.fault("x", self.now_ns)
         self.end()
 
     @rule()
@@ -149,7 +149,7 @@ class HeldMachine(RuleBasedStateMachine):
 
     @rule()
     def fail_and_reset(self):
-        self.session.fault("x")
+        self.session.fault("x", self.now_ns)
         self.end()
         self.session.reset()
 

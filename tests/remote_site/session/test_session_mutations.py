@@ -9,16 +9,19 @@ from remote_site.session import lease as lease_module
 from remote_site.session.config import EngagementMode
 from remote_site.session.engagement_intent import EngagementIntent
 from remote_site.session.fault_latch import FaultLatch
+from remote_site.session.halts import Halts
 from remote_site.session.hand_signal import HandSignal
 from remote_site.session.hold import Hold
 from remote_site.session.lease import LeaseServer
 from remote_site.session.operator_page import OperatorPage
+from remote_site.session.requests import RequestHandler
 from remote_site.session.state_machine import Session
 from tests.remote_site.mutation import Mutation
 from tests.remote_site.remote_loop import RemoteLoop
 from tests.remote_site.session import session_rig
 from tests.remote_site.session import test_engagement as of_engagement
 from tests.remote_site.session import test_fault_latch as of_faults
+from tests.remote_site.session import test_halts as of_halts
 from tests.remote_site.session import test_hold_to_run as of_holding_down
 from tests.remote_site.session import test_lease as of_lease
 from tests.remote_site.session import test_longest_hold as of_longest_hold
@@ -212,10 +215,45 @@ TEXTS = [
     ),
     (
         Session,
-        "_barred",
-        " else self._stopped",
-        " else None",
+        "request_engage",
+        "self.halts.reason or ",
+        "",
         of_session.test_a_stop_bars_every_engagement_until_it_is_reset,
+    ),
+    (
+        RequestHandler,
+        "handle",
+        "unseen is not None and ",
+        "False and ",
+        lambda: of_halts.test_a_reset_clears_no_stop_that_came_after_what_its_sender_was_shown(0),
+    ),
+    (
+        RequestHandler,
+        "handle",
+        " or not self._session.barred",
+        "",
+        of_halts.test_an_engagement_asked_for_before_a_disengagement_does_not_outlive_it,
+    ),
+    (
+        Halts,
+        "unseen",
+        "seen_ns == self.newest_ns",
+        "seen_ns >= self.newest_ns",
+        lambda: of_halts.test_only_the_newest_halt_itself_may_be_named(1),
+    ),
+    (
+        FaultLatch,
+        "_pass_on",
+        "and session.state is SessionState.FAULT",
+        "and False",
+        of_halts.test_an_emergency_stop_behind_a_fault_is_named_and_has_to_be_seen,
+    ),
+    (
+        FaultLatch,
+        "_stopped_itself",
+        "if self._session.barred",
+        "if False",
+        of_halts.test_a_robot_that_stops_by_itself_behind_a_stop_is_named,
     ),
     (
         EngagementIntent,

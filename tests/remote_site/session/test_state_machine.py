@@ -107,11 +107,11 @@ def test_a_lost_hand_holds_at_once_and_latches_after_the_latch_time():
     [
         lambda rig: rig.session.sample(JUMPS),
         lambda rig: rig.session.sample(good(rig.now_ns, new_session=True)),
-        lambda rig: rig.session.request_disengage(),
+        lambda rig: rig.session.request_disengage(rig.now_ns),
         lambda rig: (rig.session.authorise(None), rig.session.authorise(LEASE)),
         lambda rig: rig.session.authorise(OTHERS),
         lambda rig: rig.wait(4, DEAD),
-        lambda rig: (rig.session.fault("x"), rig.session.reset()),
+        lambda rig: (rig.session.fault("x", rig.now_ns), rig.session.reset()),
     ],
 )
 def test_every_end_of_an_engagement_needs_an_explicit_engage(end):
@@ -125,8 +125,8 @@ def test_every_end_of_an_engagement_needs_an_explicit_engage(end):
 
 def test_a_fault_stays_until_reset():
     rig = engaged()
-    rig.session.fault("the driver process died")
-    rig.session.request_disengage()
+    rig.session.fault("the driver process died", rig.now_ns)
+    rig.session.request_disengage(rig.now_ns)
     decision = rig.frames(50)
     assert (decision.state, decision.action) == (SessionState.FAULT, Action.STOP)
     assert "driver process" in decision.reason.sentence
@@ -137,14 +137,14 @@ def test_a_fault_stays_until_reset():
 
 def test_a_reset_says_that_it_has_reset_a_fault():
     rig = engaged()
-    rig.session.fault("the arm stands still")
+    rig.session.fault("the arm stands still", rig.now_ns)
     answer = rig.session.reset()
     assert (answer.done, answer.reason.code) == (True, Code.RESET)
 
 
 def test_a_stop_bars_every_engagement_until_it_is_reset():
     rig = engaged()
-    assert rig.session.stop("ben").done
+    assert rig.session.stop("ben", rig.now_ns).done
     decision = rig.frames(100)
     assert (decision.state, decision.action) == (SessionState.DISENGAGED, Action.STOP)
     assert decision.reason.sentence == "stopped by ben; reset it, then engage"
@@ -158,10 +158,10 @@ def test_a_stop_bars_every_engagement_until_it_is_reset():
 
 def test_a_stop_outlives_another_stop_and_a_new_session_and_one_reset_ends_it_with_a_fault():
     rig = engaged()
-    rig.session.stop("ben")
-    rig.session.stop("anna")
+    rig.session.stop("ben", rig.now_ns)
+    rig.session.stop("anna", rig.now_ns)
     rig.session.sample(good(rig.now_ns, new_session=True))
-    rig.session.fault("the driver process died")
+    rig.session.fault("the driver process died", rig.now_ns)
     assert rig.frames(50).state is SessionState.FAULT
     assert not rig.session.request_engage(rig.now_ns, READY).done
     assert rig.session.reset().reason.code is Code.RESET
@@ -171,7 +171,7 @@ def test_a_stop_outlives_another_stop_and_a_new_session_and_one_reset_ends_it_wi
 
 def test_a_stop_stays_after_a_new_session():
     rig = engaged()
-    rig.session.stop("ben")
+    rig.session.stop("ben", rig.now_ns)
     rig.session.sample(good(rig.now_ns, new_session=True))
     assert rig.frames(50).reason.sentence == "stopped by ben; reset it, then engage"
 
@@ -238,5 +238,5 @@ def test_who_asks_for_what_is_engaged_already_is_told_what_the_arm_does_even_in_
     rig.wait(150)
     answer = rig.session.request_engage(rig.now_ns, READY)
     assert (answer.done, answer.reason.code) == (True, Code.PAUSED)
-    rig.session.request_disengage()
+    rig.session.request_disengage(rig.now_ns)
     assert rig.frames(60).state is SessionState.DISENGAGED

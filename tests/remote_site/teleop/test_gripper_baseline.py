@@ -92,7 +92,7 @@ def test_a_stop_and_a_fault_withdraw_what_the_gripper_was_ordered(ended: str) ->
     if ended == "stopped":
         loop.ask(EngagementAction.STOP)
     else:
-        loop.session.fault("the video process ended")
+        loop.session.fault("the video process ended", loop.clock.now_ns())
     loop.run(EVERY, still, gripper_toggles=1)
     assert loop.gripper is GripperCommand.KEEP
     loop.ask(EngagementAction.RESET)

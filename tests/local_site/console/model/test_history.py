@@ -3,6 +3,7 @@
 from msgspec.structs import replace
 
 from common.clock import NS_PER_S
+from common.messages.robot import SessionState
 from local_site.console.model.history import History
 from tests.common.messages.golden_examples import STATE
 
@@ -43,6 +44,27 @@ def test_a_reference_that_moved_is_noted_once_with_how_far() -> None:
         history.add_state(replace(quiet, engagement=moved), NS_PER_S)
     assert [event.text for event in history.events if event.kind == "link"] == [
         "the reference has moved by 34 mm and 0 deg: the hand's way during the hold is lost"
+    ]
+
+
+def test_each_who_stops_the_arm_is_an_event_also_behind_another_and_in_a_fault() -> None:
+    history, quiet = History(), replace(STATE, hand_link=None, video_link=None)
+    stopped = replace(quiet, state=SessionState.DISENGAGED, code="stopped")
+    failed = replace(quiet, state=SessionState.FAULT, code="fault", reason="stopped by ben; brakes on")
+    told = [
+        replace(stopped, reason="stopped by anna"),
+        replace(stopped, reason="stopped by ben and anna"),
+        replace(failed, reason="brakes on"),
+        replace(failed, reason="stopped by ben; brakes on"),
+    ]
+    for second, state in enumerate(told):
+        for tenth in range(20):
+            history.add_state(state, (20 * second + tenth) * NS_PER_S // 10)
+    assert [event.text for event in reversed(history.events) if event.kind in ("disengaged", "fault")] == [
+        "disengaged: stopped by anna",
+        "disengaged: stopped by ben and anna",
+        "fault: brakes on",
+        "fault: stopped by ben; brakes on",
     ]
 
 

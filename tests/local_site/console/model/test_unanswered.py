@@ -1,17 +1,17 @@
-"""The fault of a remote site that was started again stays in sight until an operator has answered it."""
+"""The fault or stop of a remote site that was started again stays in sight until an operator has answered it."""
 
 import msgspec
 import pytest
 
-from common.messages.robot import RobotState, SessionState
+from common.messages.robot import SITE_ENDED, STOPPED, RobotState, SessionState
 from local_site.console.model.unanswered import UnansweredFault
 from tests.common.messages.golden_examples import STATE
 
 FAULT, DISENGAGED, ENGAGED = SessionState.FAULT, SessionState.DISENGAGED, SessionState.ENGAGED
 
 
-def told(session: int, state: SessionState, reason: str = "") -> RobotState:
-    return msgspec.structs.replace(STATE, session=session, state=state, reason=reason)
+def told(session: int, state: SessionState, reason: str = "", code: str = "ok") -> RobotState:
+    return msgspec.structs.replace(STATE, session=session, state=state, reason=reason, code=code)
 
 
 @pytest.mark.parametrize(
@@ -36,3 +36,17 @@ def test_a_fault_is_kept_over_the_restart_of_its_site_until_it_is_answered(
     for state in states:
         unanswered.see(told(*state))
     assert unanswered.reason == reason
+
+
+@pytest.mark.parametrize("last", [[], [(1, DISENGAGED, "asked to end", SITE_ENDED)]])
+def test_a_stop_is_kept_over_the_restart_of_its_site_whether_that_ended_in_order_or_not(
+    last: list[tuple[int, SessionState, str, str]],
+) -> None:
+    unanswered, words = UnansweredFault(), "stopped by maintenance"
+    for state in ((1, ENGAGED), (1, DISENGAGED, words, STOPPED), *last):
+        unanswered.see(told(*state))
+        assert unanswered.reason is None
+    unanswered.see(told(2, DISENGAGED))
+    assert unanswered.reason == words
+    unanswered.see(told(2, ENGAGED))
+    assert unanswered.reason is None
