@@ -99,7 +99,7 @@ class LinkRate:
 
     def __init__(self) -> None:
         self._carries: float | None = None
-        self._when_full = 0.0
+        self._when_full = 0.0  # and while it never was, what came last in time
         self._is_known = False
         self.full_ns = 0
         self.draining = 1.0
@@ -126,11 +126,13 @@ class LinkRate:
         late_ns = self._lateness.see(now_ns, late=queue_ms > LATE_MS, held_back=arrivals.held_back)
         if late_ns is None:
             self._reduced_ns = None
-            if self._carries is not None and now_ns - self.full_ns > QUIET_NS and queue_ms < ROOM_MS:
+            if self._carries is None:
+                self._when_full = self._rate()
+            elif now_ns - self.full_ns > QUIET_NS and queue_ms < ROOM_MS:
                 self._try_more(self._carries, wanted_bytes_per_s, (now_ns - before_ns) / NS_PER_S, cautious=cautious)
         else:
             self._judge(late_ns - 2 * round_trip_ns, now_ns)
-        if self._carries is not None:
+        if self._carries is not None and self._rate():
             queue_ms = 1000.0 * arrivals.waiting_bytes / self._carries - round_trip_ms
         self.draining = min(1.0, max(LEAST_DRAINING, 1.0 - (queue_ms - WAITING_MS) / DRAINED_MS))
 
@@ -169,7 +171,8 @@ class LinkRate:
         is_used = self._carries is None or self._rate() > IN_USE * USED * self._carries
         seen_ns = now_ns - round(self._reports[-1][1].round_trip_ms * NS_PER_MS)
         if late_ns > PAUSE_NS and carried < GROWING * sent:
-            self._reduce(now_ns)
+            if carried or self._reduced_ns is None:  # while nothing comes, nothing more is known
+                self._reduce(now_ns)
         elif self._reduced_ns is not None and seen_ns - self._reduced_ns > GONE_NS:
             self._least_delay, self._least_round_trip, self._reduced_ns = Least(), Least(), None
         elif self._reduced_ns is None and late_ns > STANDING_NS:
@@ -184,7 +187,7 @@ class LinkRate:
         least = LEAST_BYTES_PER_S
         if self._carries is not None:
             least = max(least, LEAST_LEFT * self._carries)
-        found = max(self._rate(), least)
+        found = max(self._rate() or LEAST_LEFT * self._when_full, least)
         self._is_known = self._carries is not None and found > ALIKE * self._when_full
         self._carries = self._when_full = found
         self._reduced_ns = now_ns

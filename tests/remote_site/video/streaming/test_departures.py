@@ -4,7 +4,7 @@ import pytest
 
 from bench.video.link import Arrival, StreamRun
 from remote_site.video.streaming.departures import Departures
-from remote_site.video.streaming.link_rate import LATE_MS, LinkRate
+from remote_site.video.streaming.link_rate import LATE_MS, USED, LinkRate
 from remote_site.video.streaming.sent_pictures import Arrivals
 from tests.remote_site.video.streaming.test_h264_adaptation import CONFIG, HELD_BYTES, Scene, pictures, settings
 from tests.remote_site.video.streaming.test_long_links import MS, REPORT_NS, fps, waited_ms
@@ -100,3 +100,14 @@ def test_a_link_is_full_where_pictures_are_held_back_again_and_again_though_none
 def test_pictures_held_back_for_a_pause_are_no_full_link(reports: int) -> None:
     held = [10 <= k < 10 + reports for k in range(40)]
     assert reported(held, 0.5).carries is None
+
+
+def test_a_link_that_carries_nothing_for_a_second_is_not_found_narrower_and_narrower() -> None:
+    rate, found = LinkRate(), []
+    for k in range(45):
+        stands = 30 <= k < 42
+        carried, overdue_ms = (0, 340.0 + 100.0 * (k - 30)) if stands else (20_000, 0.0)
+        arrivals = Arrivals(25_000, carried, 9_000, 120.0, 240.0, overdue_ms, held_back=stands)
+        rate.report(arrivals, 1e6, k * REPORT_NS, cautious=True)
+        found.append(rate.budget(1e6))
+    assert min(budget for budget in found[30:] if budget is not None) > 0.2 * USED * 200_000
