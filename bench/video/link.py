@@ -11,6 +11,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.video import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.adaptation import Adaptation
+from remote_site.video.streaming.departures import Departures
 from remote_site.video.streaming.encoding import Encoded
 from remote_site.video.streaming.setting import StreamSetting
 
@@ -65,8 +66,13 @@ class SimulatedLink:
 
     def put(self, frame: VideoFrame) -> None:
         """Queue a picture."""
-        if sum(len(waiting.data) for waiting in self.queue) + len(frame.data) <= self.holds_bytes:
+        if self.queued_bytes + len(frame.data) <= self.holds_bytes:
             self.queue.append(frame)
+
+    @property
+    def queued_bytes(self) -> int:
+        """What waits."""
+        return sum(len(waiting.data) for waiting in self.queue)
 
     def put_back(self, report: ViewsShown, now_ns: int) -> None:
         """Send a report the other way, where the link has room."""
@@ -159,14 +165,23 @@ class StreamRun:
     """Cameras, adaptation, link and viewer in simulated time; `picture` encodes (camera, number, setting).
 
     `reports` is whether the viewer is a console, which reports, and `h264` whether it decodes that. Pictures that wait
-    in the link go to it late, as they would through the buffers of a connection.
+    in the link go to it late, as they would through the buffers of a connection; with `sees_queue` they wait where the
+    sender can see it.
     """
 
     def __init__(
-        self, config: VideoConfig, picture: Picture, mbit_s: float, *, reports: bool = True, h264: bool = False
+        self,
+        config: VideoConfig,
+        picture: Picture,
+        mbit_s: float,
+        *,
+        reports: bool = True,
+        h264: bool = False,
+        sees_queue: bool = False,
     ) -> None:
         self.adaptation = Adaptation(config, h264=h264)
-        self._h264 = h264
+        self._h264, self._sees_queue = h264, sees_queue
+        self._departures = Departures()
         self.link = SimulatedLink(mbit_s)
         self.viewer = Viewer()
         self.now_ns = 0
@@ -198,9 +213,13 @@ class StreamRun:
             setting = self.adaptation.setting(camera, self.now_ns)
             phase_ns = (self.now_ns + k * period_ns // len(self._numbers)) % period_ns
             waited_ns = self.now_ns - self._sent_ns[camera]
-            if phase_ns < TICK_NS and waited_ns > NS_PER_S / setting.fps - period_ns / 2:
+            due = phase_ns < TICK_NS and waited_ns > NS_PER_S / setting.fps - period_ns / 2
+            if due and self._sees_queue and self._departures.waits(camera, self.link.queued_bytes, self.now_ns):
+                self.adaptation.hold_back(camera)
+            elif due:
                 self._sent_ns[camera] = self.now_ns
                 seq = next(self._numbers[camera])
                 frame = live_frame(camera, seq, self.now_ns, self._picture(camera, seq, setting))
                 self.adaptation.sent(frame, self.now_ns)
                 self.link.put(frame)
+                self._departures.put(camera, len(frame.data), self.now_ns)

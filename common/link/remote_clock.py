@@ -3,6 +3,7 @@
 import threading
 
 from common.clock import ClockEstimate, RoundTrip
+from common.link.aside import Aside
 from common.link.channels import CLOCK
 from common.link.transport import Link
 from common.messages.requests import ClockQuestion
@@ -15,7 +16,8 @@ class RemoteClock:
     """Measures the offset of the remote site's clock whenever asked to; may be read from any thread.
 
     After every `rounds_to_doubt` rounds of silence it probes for the reason, never with 0; earlier too in the first
-    silence, when nobody has answered yet.
+    silence, when nobody has answered yet. A probe takes seconds, so it is made aside, and a later round tells what it
+    found, unless the site has answered meanwhile.
     """
 
     def __init__(self, link: Link, cell: str, rounds_to_doubt: int = 0) -> None:
@@ -24,16 +26,19 @@ class RemoteClock:
         self._lock = threading.Lock()
         self.silent_rounds = 0
         self._was_answered = False
+        self._probe = Aside("probe")
 
     def measure(self) -> RoundTrip | None:
         """One round trip, None without an answer in time; RefusedError where both sides refuse each other."""
+        self._probe.check()
         asked = host_time()
         answer = self._link.ask(CLOCK, self._cell, ClockQuestion())
         if answer is None:
             self.silent_rounds += 1
             if self._doubts():
-                self._link.check_connected()
+                self._probe.start(self._link.check_connected)
             return None
+        self._probe.forget()
         answered, reply = HostTime(answer.answered_ns, answer.ahead_ns), host_time()
         self.silent_rounds, self._was_answered = 0, True
         with self._lock:

@@ -22,6 +22,7 @@ from common.link.probe import VIEWERS_CURE, identity_refusal, refusal, speaks_tl
 from common.link.pubsub import Latest, Publisher
 from common.link.quic_doubt import QuicDoubt, blocked_sentence
 from common.link.roles import Role
+from common.link.send_queues import SendQueues
 from common.link.servers import REFUSAL, IdempotentServer, OnRefused, QuestionServer, Replied, Requested
 from common.link.session_settings import Mode, Served, SessionEndpoints, session_settings
 from common.link.tap import MessageTap, untapped
@@ -160,6 +161,10 @@ class Link:
             if reply.err is not None and (why := reply.err.payload.to_bytes()).startswith(REFUSAL):
                 raise RefusedError(f"the other site {why.decode(errors='replace')}")
         return None
+
+    def send_queues(self) -> SendQueues:
+        """What waits in this host on its way to the link's neighbours."""
+        return SendQueues(self._session)
 
     def may_receive(self, channel: Channel[M]) -> bool:
         """Whether our certificate's role may subscribe to the channel; without certificates every site may."""

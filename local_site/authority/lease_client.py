@@ -12,6 +12,7 @@ import structlog
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
 from common.errors import ProcessError, RefusedError, TransportError
+from common.link.aside import Aside
 from common.link.channels import DESCRIBE, LEASE, OPERATE
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
@@ -121,11 +122,14 @@ class Authority:
         self._clock_due_ns = now_ns + CLOCK_EVERY_NS
         self._remote_clock.measure()
         if self._remote_clock.silent_rounds == ROUNDS_TO_WARN:
-            no_quic = self._link.why_no_quic()
-            if no_quic:
-                tell_by_tls(self._link, self._cell, self._policy.operator, no_quic)
-            cure = no_quic or self._link.why_silent() or "start it, and check the cell and the endpoint"
-            structlog.get_logger().warning("the remote site does not answer", cell=self._cell, cure=cure)
+            Aside("silence").start(self._warn_of_silence)
+
+    def _warn_of_silence(self) -> None:
+        no_quic = self._link.why_no_quic()
+        if no_quic:
+            tell_by_tls(self._link, self._cell, self._policy.operator, no_quic)
+        cure = no_quic or self._link.why_silent() or "start it, and check the cell and the endpoint"
+        structlog.get_logger().warning("the remote site does not answer", cell=self._cell, cure=cure)
 
     def _is_described(self) -> bool:
         """Ask for the cell's description once, so that another protocol is noticed before anything moves."""

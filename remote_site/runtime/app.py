@@ -200,7 +200,16 @@ def _video(
         def has_listener() -> bool:
             return any(publisher.has_listener for publisher in publishers.values())
 
-        wire = VideoWire(publish, shown, lambda: site.lease, key_frames, site.show_video_link, has_listener)
+        queues = link.send_queues()
+
+        def unsent_bytes() -> int:
+            lease = site.lease
+            holder = Identity(Role.OPERATOR, config.cell, lease.holder) if lease is not None else None
+            return queues.unsent_bytes(holder.common_name if holder is not None else "")
+
+        wire = VideoWire(
+            publish, shown, lambda: site.lease, key_frames, site.show_video_link, has_listener, unsent_bytes
+        )
         look = _marker_look(config, assist) if assist is not None else None
         full = FullPictures(config.video, tap) if tap is not None else None
         run_video(config.video, views, wire, should_stop, heartbeat.beat, look, full, tally.lost)

@@ -4,6 +4,7 @@ import mmap
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import islice
 from typing import NamedTuple
 
@@ -26,6 +27,7 @@ from remote_site.video.marker_look import MarkerLook
 from remote_site.video.sources import FrameSource, SimulatedViews, open_sources
 from remote_site.video.streaming.adaptation import Adaptation
 from remote_site.video.streaming.codec_choice import CodecPreference
+from remote_site.video.streaming.departures import Departures
 from remote_site.video.streaming.encoding import can_encode
 from remote_site.video.streaming.h264 import H264_CURE
 from remote_site.video.streaming.setting import StreamSetting
@@ -103,7 +105,8 @@ class VideoWire:
 
     Each source of `shown` returns a report once, with the operator whose key it came on; `key_frames` returns each
     viewer's request once. `show_narrow` is told twice a second whether the link is too narrow for the pictures, and how
-    much. `has_listener` is whether anybody receives pictures.
+    much. `has_listener` is whether anybody receives pictures, and `unsent_bytes` how much of what was published waits
+    in this host on its way to who operates.
     """
 
     publish: Callable[[VideoFrame], None]
@@ -112,6 +115,7 @@ class VideoWire:
     key_frames: Callable[[], KeyFrameRequest | None] = lambda: None
     show_narrow: Callable[[VideoLink | None], None] = lambda _link: None
     has_listener: Callable[[], bool] = lambda: True
+    unsent_bytes: Callable[[], int] = lambda: 0
 
 
 @dataclass(slots=True)
@@ -122,8 +126,10 @@ class _CameraSlot:
     due_ns: int
     frame: Frame | None = None
 
-    def serve(self, setting: StreamSetting, now_ns: int, *, every_picture: bool) -> VideoFrame | None:
-        """The message due now, if any; missed deadlines are skipped.
+    def serve(
+        self, setting: StreamSetting, now_ns: int, waits: Callable[[], bool], *, every_picture: bool
+    ) -> VideoFrame | None:
+        """The message due now, if any, and no picture while the last one still `waits`; missed deadlines are skipped.
 
         A rendered view is rendered only to be sent, unless `every_picture` is wanted.
         """
@@ -132,7 +138,7 @@ class _CameraSlot:
         self.due_ns += period_ns * max(1, (now_ns - self.due_ns) // period_ns + 1)
         try:
             self.frame = self.source.newest()
-            return self.stream.take(self.frame, setting, now_ns)
+            return self.stream.take(self.frame, setting, now_ns, waits)
         except CameraError as error:
             self.frame = None
             return self.stream.missing(str(error), now_ns)
@@ -206,6 +212,26 @@ class _KeyFrameRequests:
             self.refusals.note(error)
 
 
+@dataclass(slots=True)
+class _Sending:
+    """Publishes pictures, unless the camera's last one still waits in this host."""
+
+    wire: VideoWire
+    adaptation: Adaptation
+    departures: Departures = field(default_factory=Departures)
+
+    def waits(self, camera: str, now_ns: int) -> bool:
+        waits = self.departures.waits(camera, self.wire.unsent_bytes(), now_ns)
+        if waits:
+            self.adaptation.hold_back(camera)
+        return waits
+
+    def publish(self, frame: VideoFrame, now_ns: int) -> None:
+        self.wire.publish(frame)
+        self.departures.put(frame.camera, len(frame.data), now_ns)
+        self.adaptation.sent(frame, now_ns)
+
+
 def run_video(
     config: VideoConfig,
     views: SimulatedViews | None,
@@ -227,6 +253,7 @@ def run_video(
     be_nice(config.nice)  # not before: nothing moves until the site is ready, and on a busy machine that would be late
     requests = _KeyFrameRequests(wire.key_frames, {slot.source.name: slot.stream for slot in slots})
     console = _Console(wire, Adaptation(config, h264=_encodes_h264(config.codec)))
+    sending = _Sending(wire, console.adaptation)
     try:
         while not should_stop():
             slot = min(slots, key=lambda s: s.due_ns)
@@ -236,15 +263,15 @@ def run_video(
             now_ns = time.monotonic_ns()
             console.listen(now_ns)
             requests.listen()
-            setting, records = console.adaptation.setting(slot.source.name, now_ns), full is not None and full.wanted
-            message = slot.serve(setting, now_ns, every_picture=records)
+            name, records = slot.source.name, full is not None and full.wanted
+            setting = console.adaptation.setting(name, now_ns)
+            message = slot.serve(setting, now_ns, partial(sending.waits, name, now_ns), every_picture=records)
             if message is not None:
-                wire.publish(message)
-                console.adaptation.sent(message, now_ns)
+                sending.publish(message, now_ns)
             if full is not None and records:
-                full.see(slot.source.name, slot.frame, message, setting)
+                full.see(name, slot.frame, message, setting)
             if markers is not None and console.is_watched(now_ns):
-                markers.see(slot.source.name, slot.frame, now_ns)
+                markers.see(name, slot.frame, now_ns)
             beat()
     finally:
         for slot in slots:

@@ -95,6 +95,10 @@ class Adaptation:
         if frame.data:
             self._sent[frame.camera].send(frame, self.setting(frame.camera, now_ns), now_ns)
 
+    def hold_back(self, camera: str) -> None:
+        """Note a picture that was not sent because the camera's last one still waits in this host."""
+        self._sent[camera].hold_back()
+
     def listened(self, now_ns: int, *, has_listener: bool) -> None:
         """Take note of whether anybody receives the pictures now."""
         if not has_listener:

@@ -57,13 +57,35 @@ class Least:
         return self.value
 
 
+class Lateness:
+    """For how long pictures have been late, or held back again and again: what waits here is soon gone, and comes back.
+
+    The time since then counts for late ones, and that between the first and the last for those that were held back.
+    """
+
+    def __init__(self) -> None:
+        self._in_time_ns = self._first_held_ns = 0
+        self._last_held_ns = -STANDING_NS
+
+    def see(self, now_ns: int, *, late: bool, held_back: bool) -> int | None:
+        """The longer of both, ns; None where nothing is late, and nothing was held back of late."""
+        self._in_time_ns = self._in_time_ns if late else now_ns
+        if held_back:
+            if now_ns - self._last_held_ns >= STANDING_NS:
+                self._first_held_ns = now_ns
+            self._last_held_ns = now_ns
+        if now_ns - self._last_held_ns >= STANDING_NS:
+            return now_ns - self._in_time_ns if late else None
+        return max(now_ns - self._in_time_ns, self._last_held_ns - self._first_held_ns)
+
+
 class LinkRate:
     """An estimate of the link's rate, bytes a second; None while nothing has been late, when all is sent.
 
     One principle, that of delay-based congestion control (LEDBAT, RFC 6817; GCC, draft-ietf-rmcat-gcc-02; BBR): a
     queue is what a picture takes beyond the least of the last twenty seconds, however long the way itself is. While
     there is one, what comes is what the link carries; and before anything waits, a link holds that rate times its
-    least round trip.
+    least round trip. Pictures that are held back, because earlier ones wait in this host, are such a queue too.
 
     The link is full when pictures have been late for longer than a pause of TCP (BBR measures the round trip every ten
     seconds: 200 ms and two round trips) and less comes than is sent, or when they have been late for some time without
@@ -77,14 +99,14 @@ class LinkRate:
 
     def __init__(self) -> None:
         self._carries: float | None = None
-        self._when_full = 0.0
+        self._when_full = 0.0  # and while it never was, what came last in time
         self._is_known = False
         self.full_ns = 0
         self.draining = 1.0
         self._opened_ns: int | None = None
         self._settled = 0
         self._least_delay, self._least_round_trip = Least(), Least()
-        self._in_time_ns = 0
+        self._lateness = Lateness()
         self._reduced_ns: int | None = None
         self._reports: deque[tuple[int, Arrivals]] = deque(maxlen=MOST_REPORTS)
 
@@ -101,13 +123,16 @@ class LinkRate:
         if self.is_opening:
             self._open(before_ms - arrivals.delay_ms, arrivals.round_trip_ms, now_ns)
         queue_ms = max(arrivals.delay_ms - delay_ms, arrivals.overdue_ms - round_trip_ms)
-        if queue_ms <= LATE_MS:
-            self._in_time_ns, self._reduced_ns = now_ns, None
-            if self._carries is not None and now_ns - self.full_ns > QUIET_NS and queue_ms < ROOM_MS:
+        late_ns = self._lateness.see(now_ns, late=queue_ms > LATE_MS, held_back=arrivals.held_back)
+        if late_ns is None:
+            self._reduced_ns = None
+            if self._carries is None:
+                self._when_full = self._rate()
+            elif now_ns - self.full_ns > QUIET_NS and queue_ms < ROOM_MS:
                 self._try_more(self._carries, wanted_bytes_per_s, (now_ns - before_ns) / NS_PER_S, cautious=cautious)
         else:
-            self._judge(now_ns - self._in_time_ns - 2 * round_trip_ns, now_ns)
-        if self._carries is not None:
+            self._judge(late_ns - 2 * round_trip_ns, now_ns)
+        if self._carries is not None and self._rate():
             queue_ms = 1000.0 * arrivals.waiting_bytes / self._carries - round_trip_ms
         self.draining = min(1.0, max(LEAST_DRAINING, 1.0 - (queue_ms - WAITING_MS) / DRAINED_MS))
 
@@ -146,7 +171,8 @@ class LinkRate:
         is_used = self._carries is None or self._rate() > IN_USE * USED * self._carries
         seen_ns = now_ns - round(self._reports[-1][1].round_trip_ms * NS_PER_MS)
         if late_ns > PAUSE_NS and carried < GROWING * sent:
-            self._reduce(now_ns)
+            if carried or self._reduced_ns is None:  # while nothing comes, nothing more is known
+                self._reduce(now_ns)
         elif self._reduced_ns is not None and seen_ns - self._reduced_ns > GONE_NS:
             self._least_delay, self._least_round_trip, self._reduced_ns = Least(), Least(), None
         elif self._reduced_ns is None and late_ns > STANDING_NS:
@@ -161,7 +187,7 @@ class LinkRate:
         least = LEAST_BYTES_PER_S
         if self._carries is not None:
             least = max(least, LEAST_LEFT * self._carries)
-        found = max(self._rate(), least)
+        found = max(self._rate() or LEAST_LEFT * self._when_full, least)
         self._is_known = self._carries is not None and found > ALIKE * self._when_full
         self._carries = self._when_full = found
         self._reduced_ns = now_ns

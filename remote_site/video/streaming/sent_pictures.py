@@ -20,7 +20,8 @@ class Arrivals:
 
     Since the last report `sent_bytes` went out and `carried_bytes` came; `waiting_bytes` are still on their way.
     `delay_ms` is what the newest that came took from here to the console, and `round_trip_ms` what passed from sending
-    it to the report; `overdue_ms` has passed since the oldest that has not come was sent, 0 without one.
+    it to the report; `overdue_ms` has passed since the oldest that has not come was sent, 0 without one. `held_back` is
+    whether pictures were left out because earlier ones still waited in this host; they count as sent.
     """
 
     sent_bytes: int
@@ -29,6 +30,7 @@ class Arrivals:
     delay_ms: float
     round_trip_ms: float
     overdue_ms: float
+    held_back: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +56,7 @@ class SentPictures:
     def __init__(self) -> None:
         self.reference_bytes: float | None = None
         self.pixels: int | None = None
-        self.sent_ns = 0
+        self.sent_ns = self._last_bytes = 0
         self._waiting: deque[_Sent] = deque(maxlen=MOST_WAITING)
         self.forget()
 
@@ -63,10 +65,11 @@ class SentPictures:
         self._newest: _Sent | None = None
         self._passed_ns: deque[int] = deque(maxlen=MOST_WAITING)  # told times may stand still
         self._sent_bytes = 0
+        self._held_back = False
 
     def send(self, frame: VideoFrame, setting: StreamSetting, now_ns: int) -> None:
         """A picture of this setting went out."""
-        size = len(frame.data)
+        size = self._last_bytes = len(frame.data)
         self._waiting.append(_Sent(frame.seq, size, frame.capture_ns, now_ns))
         self.sent_ns, self.pixels = now_ns, round(frame.width * frame.height / setting.scale**2)
         self._sent_bytes += size
@@ -75,6 +78,11 @@ class SentPictures:
         reference = size / setting.relative_bytes
         known = reference if self.reference_bytes is None else self.reference_bytes
         self.reference_bytes = known + SMOOTHING * (reference - known)
+
+    def hold_back(self) -> None:
+        """A picture would have gone out now, but the last one still waits in this host."""
+        self._held_back = True
+        self._sent_bytes += self._last_bytes
 
     def come(self, came: ViewCame, told_ns: int) -> Arrivals | None:
         """What a console told at a time of this camera; None where that is about no picture known here."""
@@ -89,6 +97,7 @@ class SentPictures:
             self._sent_bytes = carried = 0  # some of it was sent before the console was there
             self._passed_ns.clear()
         newest, (sent, self._sent_bytes) = self._newest, (self._sent_bytes, 0)
+        held_back, self._held_back = self._held_back, False
         told_ns = max(told_ns, newest.sent_ns)  # nobody tells of a picture before it was sent
         on_their_way = [one for one in self._waiting if one.sent_ns <= told_ns]
         return Arrivals(
@@ -98,6 +107,7 @@ class SentPictures:
             delay_ms=came.age_ms - (newest.sent_ns - newest.capture_ns) / NS_PER_MS,
             round_trip_ms=(told_ns - newest.sent_ns) / NS_PER_MS,
             overdue_ms=(told_ns - on_their_way[0].sent_ns) / NS_PER_MS if on_their_way else 0.0,
+            held_back=held_back,
         )
 
     def _share(self, came_fps: float, told_ns: int) -> float:
@@ -117,4 +127,5 @@ def together(arrivals: Sequence[Arrivals]) -> Arrivals:
         statistics.median(one.delay_ms for one in arrivals),
         statistics.median(one.round_trip_ms for one in arrivals),
         statistics.median(one.overdue_ms for one in arrivals),
+        any(one.held_back for one in arrivals),
     )

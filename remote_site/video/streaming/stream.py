@@ -1,6 +1,7 @@
 """One camera's stream: what to publish now, so that an old picture is never shown as live."""
 
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 
@@ -101,8 +102,13 @@ class CameraStream:
         self._estimated = False
         self._status_ns = NEVER
 
-    def take(self, frame: Frame | None, setting: StreamSetting, now_ns: int) -> VideoFrame | None:
-        """What to publish at `now_ns`, given the newest frame (None before the first); None for nothing new."""
+    def take(
+        self, frame: Frame | None, setting: StreamSetting, now_ns: int, waits: Callable[[], bool] = lambda: False
+    ) -> VideoFrame | None:
+        """What to publish at `now_ns`, given the newest frame (None before the first); None for nothing new.
+
+        `waits` is asked for each picture that is due, which is left out while the last one still waits to be sent.
+        """
         self._freshness.begin(now_ns)
         if frame is None or frame.capture_ns <= self._capture_ns:
             return self._without_new(now_ns)
@@ -115,7 +121,7 @@ class CameraStream:
             why = "repeats the same picture; check the camera and its connection to this host"
             return self._without_picture(CameraStatus.FROZEN, f"camera {self._name} {why}", now_ns)
         self._status_ns = NEVER
-        return self._with_picture(frame, setting, dark=dark)
+        return self._with_picture(frame, setting, waits, dark=dark)
 
     def missing(self, reason: str, now_ns: int) -> VideoFrame | None:
         """The status of a camera that gives nothing and why, as often as configured."""
@@ -136,10 +142,12 @@ class CameraStream:
             CameraStatus.FROZEN, f"camera {self._name} has given no new picture {silent}", now_ns
         )
 
-    def _with_picture(self, frame: Frame, setting: StreamSetting, *, dark: bool) -> VideoFrame | None:
-        """The picture as the setting wants it; None for one that it leaves out."""
+    def _with_picture(
+        self, frame: Frame, setting: StreamSetting, waits: Callable[[], bool], *, dark: bool
+    ) -> VideoFrame | None:
+        """The picture as the setting wants it; None for one that is left out."""
         promised_fps = self._config.fps
-        if not self._thinning.takes(frame.capture_ns, self._rate.fps or promised_fps, setting.fps):
+        if not self._thinning.takes(frame.capture_ns, self._rate.fps or promised_fps, setting.fps) or waits():
             return None
         expected_fps = min(promised_fps, setting.fps) if self._noise_free else promised_fps
         status, reason = self._status(expected_fps, dark=dark)

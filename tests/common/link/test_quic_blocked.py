@@ -14,6 +14,7 @@ from common.link.trouble_report import tell_by_tls
 from common.messages.requests import ClockAnswer, ClockQuestion, TroubleNoted
 from farhand.loopback.site_process import free_ports
 from tests.common.link.secured_cell import ANNA, CELL, running, secured, until
+from tests.common.link.test_remote_clock import all_probed
 
 
 def test_quic_counts_as_blocked_after_three_seconds_in_which_tls_answers_and_never_without() -> None:
@@ -60,11 +61,13 @@ def test_the_first_silence_is_doubted_within_five_seconds_and_later_ones_seldom(
     clock = clock_of([None] * 30)
     for _ in range(30):
         clock.measure()
+        until(all_probed)
     assert checked == [8, 17, 25]  # of five rounds a second
     checked.clear()
     clock = clock_of([ClockAnswer(received_ns=1, answered_ns=2), *[None] * 30])
     for _ in range(31):
         clock.measure()
+        until(all_probed)
     assert checked == [25]
 
 

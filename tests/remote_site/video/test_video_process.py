@@ -215,6 +215,26 @@ def test_a_camera_that_hangs_delays_no_other_and_is_told_as_frozen(monkeypatch):
     assert sum(m.camera == "side" and m.status is CameraStatus.LIVE for m in seen) > 10
 
 
+def test_no_picture_goes_while_one_waits_in_this_host(monkeypatch):
+    monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))
+    monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
+    seen: list[VideoFrame] = []
+    waits_left = 20  # times that it is asked about a picture
+
+    def unsent_bytes() -> int:
+        nonlocal waits_left
+        waits = len(seen) == 5 and waits_left > 0
+        waits_left -= waits
+        return 1_000_000 if waits else 0
+
+    wire, deadline = VideoWire(seen.append, unsent_bytes=unsent_bytes), time.monotonic() + 10
+    config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
+    run_video(config, None, wire, lambda: len(seen) > 8 or time.monotonic() > deadline, int)
+    assert waits_left == 0
+    assert [frame.seq for frame in seen] == list(range(9))
+    assert {frame.status for frame in seen} == {CameraStatus.LIVE}
+
+
 class Narrow:
     """A console that shows every picture later than the one before."""
 
