@@ -141,10 +141,13 @@ class Link:
         operator: str = ANY,
         timeout_s: float = REQUEST_TIMEOUT_S,
     ) -> R | None:
-        """Ask once; None without an answer in time.
+        """Ask once, with an operator's certificate what is that operator's to ask; None without an answer in time.
 
         RefusedError when one site cannot decode the other's message, TransportError once the link is closed.
         """
+        own = self._credentials.identity.operator if self._credentials is not None else None
+        if own is not None and procedure.of_operators is not None:
+            procedure, operator = procedure.of_operators, own
         key = procedure.key_for(cell, operator=operator)
         self._check(ChannelSession.CONTROL, procedure.asked_by, cell, f"ask {key}")
         self._check_operator(procedure, operator, f"ask {key}")
@@ -196,8 +199,8 @@ class Link:
         if own is None or own.operator is None or not self._is_up():
             return ""
         return (
-            f"the link is up, but nothing answers {own.common_name}: if the remote site runs, links.operators there, "
-            f'or the router\'s, leaves out "{own.operator}"; add the name and restart that site'
+            f"the link is up, but nothing answers {own.common_name}: if the remote site runs, links.operators there, or "
+            f'the router\'s, leaves out "{own.operator}"; add the name and restart that site, or install this release there'
         )
 
     def why_no_quic(self) -> str:
