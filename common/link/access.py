@@ -172,13 +172,19 @@ def payload_caps() -> list[Json]:
     ]
 
 
-def rate_caps() -> list[Json]:
+def rate_caps(operators: Sequence[str]) -> list[Json]:
     """Questions that a neighbour asks too fast are dropped on arrival; a legitimate client asks again.
+
+    Of these operators each has a cap of their own: a router is one neighbour for all of them.
 
     Samples are capped where they are taken instead (`Latest`): of a burst after a delay Zenoh would pass the first and
     drop the newest, and the arm would wait for the next.
     """
-    rules = [{"key_expr": procedure.key_for(ANY), "freq": procedure.max_hz} for procedure in PROCEDURES]
+    rules = [
+        {"key_expr": procedure.key_for(ANY, operator=operator), "freq": procedure.max_hz}
+        for procedure in PROCEDURES
+        for operator in ((operators or (ANY,)) if procedure.by_operator else (ANY,))
+    ]
     return [{"id": "questions", "flows": ["ingress"], "messages": ["query"], "rules": rules}]
 
 

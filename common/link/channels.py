@@ -1,12 +1,12 @@
 """The one table of channels and procedures: key, messages, roles, session, priority, rate, staleness, size."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Generic, TypeVar
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import ConfigError, MessageError
-from common.link.roles import CELL_NAME, EVERYBODY, MAINTAINERS, OPERATORS, REMOTES, Role
+from common.link.roles import CELL_NAME, EVERYBODY, MAINTAINERS, OPERATORS, OTHERS, REMOTES, Role
 from common.messages.base import Message
 from common.messages.hand import HandArm, OperatorIntent
 from common.messages.probe import MOST_PADDING, ROOM_BYTES, Probe, ProbeEcho
@@ -287,7 +287,8 @@ LOAD_ECHO = Channel(
 class Procedure(Keyed, Generic[Q, R]):
     """A query that one site answers, on the control session.
 
-    One neighbour may ask `max_hz` times a second; more is dropped, where there is access control.
+    One neighbour may ask `max_hz` times a second of each operator's; more is dropped, where there is access control.
+    Who has an operator's certificate asks `of_operators` instead, where there is one.
     """
 
     request: type[Q]
@@ -296,6 +297,7 @@ class Procedure(Keyed, Generic[Q, R]):
     answered_by: frozenset[Role]
     max_bytes: int = 2048  # the longest sentence, four bytes a character
     max_hz: float = 1000.0  # a stop may follow another request immediately
+    of_operators: "Procedure[Q, R] | None" = None
 
 
 ENGAGEMENT = Procedure("farhand/{cell}/rpc/engagement/{operator}", EngagementRequest, Reply, OPERATORS, REMOTES)
@@ -304,10 +306,21 @@ MAINTENANCE = Procedure("farhand/{cell}/rpc/maintenance", EngagementRequest, Rep
 STOP = Procedure("farhand/{cell}/rpc/stop/{operator}", StopRequest, Reply, OPERATORS, REMOTES)
 MAINTENANCE_STOP = Procedure("farhand/{cell}/rpc/maintenance/stop", StopRequest, Reply, MAINTAINERS, REMOTES)
 LEASE = Procedure("farhand/{cell}/rpc/lease/{operator}", LeaseRequest, LeaseReply, OPERATORS, REMOTES, max_bytes=4096)
-DESCRIBE = Procedure(
-    "farhand/{cell}/rpc/describe", DescribeQuestion, Description, EVERYBODY, REMOTES, max_bytes=16384, max_hz=200.0
+# What everybody may ask: an operator who floods it delays no other, and neither viewers nor maintenance.
+OWN_DESCRIBE = Procedure(
+    "farhand/{cell}/rpc/describe/{operator}",
+    DescribeQuestion,
+    Description,
+    OPERATORS,
+    REMOTES,
+    max_bytes=16384,
+    max_hz=200.0,
 )
-CLOCK = Procedure("farhand/{cell}/clock", ClockQuestion, ClockAnswer, EVERYBODY, REMOTES, max_bytes=256, max_hz=200.0)
+DESCRIBE = replace(OWN_DESCRIBE, key="farhand/{cell}/rpc/describe", asked_by=OTHERS, of_operators=OWN_DESCRIBE)
+OWN_CLOCK = Procedure(
+    "farhand/{cell}/clock/{operator}", ClockQuestion, ClockAnswer, OPERATORS, REMOTES, max_bytes=256, max_hz=200.0
+)
+CLOCK = replace(OWN_CLOCK, key="farhand/{cell}/clock", asked_by=OTHERS, of_operators=OWN_CLOCK)
 TROUBLE = Procedure("farhand/{cell}/rpc/trouble/{operator}", TroubleReport, TroubleNoted, OPERATORS, REMOTES, max_hz=20)
 RECORD = Procedure("farhand/{cell}/rpc/record/{operator}", RecordRequest, Reply, OPERATORS, REMOTES, max_bytes=4096)
 RECORD_OWN = Procedure(
@@ -338,7 +351,9 @@ PROCEDURES: tuple[Procedure[Any, Any], ...] = (
     MAINTENANCE_STOP,
     LEASE,
     DESCRIBE,
+    OWN_DESCRIBE,
     CLOCK,
+    OWN_CLOCK,
     TROUBLE,
     RECORD,
     RECORD_OWN,

@@ -17,6 +17,7 @@ class Role(StrEnum):
 
 EVERYBODY = frozenset(Role) - {Role.ROUTER}  # a router only passes messages on
 OPERATORS = frozenset({Role.OPERATOR})
+OTHERS = EVERYBODY - OPERATORS
 REMOTES = frozenset({Role.REMOTE})
 MAINTAINERS = frozenset({Role.MAINTENANCE})
 LISTENERS = frozenset({Role.REMOTE, Role.OPERATOR, Role.ROUTER})  # the others only connect

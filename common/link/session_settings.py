@@ -91,7 +91,7 @@ def session_settings(endpoints: SessionEndpoints, served: Served) -> dict[str, A
         "transport/unicast/accept_timeout": OPEN_TIMEOUT_MS,
         "transport/unicast/max_sessions": MAX_AT_ROUTER if endpoints.mode is Mode.ROUTER else MAX_NEIGHBOURS,
         "low_pass_filter": payload_caps(),
-        "downsampling": rate_caps(),
+        "downsampling": rate_caps(served.operators),
         "qos/network": no_waiting(),
     }
     if served.serves is Serves.LANE:

@@ -142,14 +142,17 @@ class Link:
         operator: str = ANY,
         timeout_s: float = REQUEST_TIMEOUT_S,
     ) -> R | None:
-        """Ask once; None without an answer in time.
+        """Ask once, with an operator's certificate what is that operator's to ask; None without an answer in time.
 
         RefusedError when one site cannot decode the other's message, TransportError once the link is closed.
         """
+        own = self._credentials.identity.operator if self._credentials is not None else None
+        if own is not None and procedure.of_operators is not None:
+            procedure, operator = procedure.of_operators, own
         key = procedure.key_for(cell, operator=operator)
         self._check(ChannelSession.CONTROL, procedure.asked_by, cell, f"ask {key}")
         self._check_operator(procedure, operator, f"ask {key}")
-        self._was_up = self._was_up or self._is_up()
+        self._was_up = self._was_up or self.is_up()
         try:
             priority = PRIORITIES[Priority.INTERACTIVE]  # no stop, and no answer, waits behind a load
             replies = self._session.get(key, payload=encode(question), timeout=timeout_s, priority=priority)
@@ -196,13 +199,14 @@ class Link:
         An operator was perhaps answered before: a name is taken off the list while its site runs.
         """
         own = self._credentials.identity if self._credentials is not None else None
-        if own is not None and own.role is Role.VIEWER and self._is_up():
+        if own is not None and own.role is Role.VIEWER and self.is_up():
             return f"the link is up, but nothing answers {own.common_name}: if the remote site runs, {VIEWERS_CURE}"
-        if own is None or own.operator is None or not self._is_up():
+        if own is None or own.operator is None or not self.is_up():
             return ""
         return (
             f"the link is up, but nothing answers {own.common_name}: if the remote site runs, links.operators there, "
-            f'or the router\'s, leaves out "{own.operator}"; add the name and restart that site'
+            f'or the router\'s, leaves out "{own.operator}"; add the name and restart that site, or install this '
+            "release there"
         )
 
     def why_no_quic(self) -> str:
@@ -219,7 +223,8 @@ class Link:
             return None
         return replace(quic, protocol="tls"), LinkSecurity(tls=self._credentials.tls)
 
-    def _is_up(self) -> bool:
+    def is_up(self) -> bool:
+        """Whether one of our endpoints is connected now."""
         links = self._session.info.links()
         return any(_leads_to(link, endpoint) for link in links for endpoint in self._outgoing)
 

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 from common.errors import MessageError, RefusedError, TransportError
 from common.link.channels import STATE, check_cell_name
@@ -12,13 +12,18 @@ from common.link.transport import Link, open_link
 from common.messages.robot import RobotState
 
 POLL_S = 0.05
+QUIC_PATIENCE_S, PATIENCE_S = 0.3, 1.0  # of QUIC alone, once a session has tried to open; then of QUIC or TLS
 
 
 @contextmanager
 def link_to(cell: str, *endpoints: str, security: LinkSecurity) -> Iterator[Link]:
-    """A link to sites; without an answer, the TransportError gives the reason if one can be found."""
+    """A link to sites; without an answer, the TransportError gives the reason if one can be found.
+
+    Where QUIC lets nobody in, as a stranger's packets can bring about, it is by TLS at the same port.
+    """
     check_cell_name(cell)
-    with open_link(connect=endpoints, security=security) as link:
+    with ExitStack() as stack:
+        link = _first_up(stack, stack.enter_context(open_link(connect=endpoints, security=security)))
         try:
             yield link
         except RefusedError:
@@ -28,6 +33,24 @@ def link_to(cell: str, *endpoints: str, security: LinkSecurity) -> Iterator[Link
             if why := link.why_silent():
                 raise TransportError(f"{error} {why}") from error
             raise
+
+
+def _first_up(stack: ExitStack, link: Link) -> Link:
+    """This link, or one by TLS that the `stack` closes and that is up sooner."""
+    fallback = link.tls_fallback()
+    if fallback is None or _comes_up(QUIC_PATIENCE_S, link):
+        return link
+    endpoint, security = fallback
+    by_tls = stack.enter_context(open_link(connect=(str(endpoint),), security=security))
+    return by_tls if _comes_up(PATIENCE_S, by_tls, link) and not link.is_up() else link
+
+
+def _comes_up(within_s: float, *links: Link) -> bool:
+    """Whether one of them is up in time."""
+    give_up_s = time.monotonic() + within_s
+    while not (is_up := any(link.is_up() for link in links)) and time.monotonic() < give_up_s:
+        time.sleep(POLL_S)
+    return is_up
 
 
 def newest_state(link: Link, cell: str) -> RobotState:

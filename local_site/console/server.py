@@ -23,6 +23,7 @@ from local_site.console.gate import Gate
 from local_site.console.hub import Hub
 from local_site.console.model.seat import Visitor
 from local_site.console.page import Page
+from local_site.console.page_socket import PageSocket
 
 STATIC = Path(__file__).parent / "static"
 MAX_MESSAGE_BYTES = 16384
@@ -50,7 +51,7 @@ def make_server(hub: Hub, serve: ServeConfig, port: int) -> uvicorn.Server:
     config = uvicorn.Config(
         Gate(_application(hub), serve, port),
         http="h11",
-        ws="websockets-sansio",
+        ws=PageSocket,
         ws_max_size=MAX_MESSAGE_BYTES,
         ws_per_message_deflate=False,
         lifespan="off",

@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
+from itertools import cycle
 
 import msgspec
 
 from common.clock import Clock
 from common.errors import MessageError, ModelError
-from common.link.channels import CLOCK, DESCRIBE, LEASE, TROUBLE
+from common.link.channels import CLOCK, DESCRIBE, LEASE, OWN_CLOCK, OWN_DESCRIBE, TROUBLE
 from common.link.transport import Link
 from common.messages.hand import Locks
 from common.messages.requests import (
@@ -57,26 +58,34 @@ class RequestServer:
         refused: Callable[[MessageError], None],
         operators: Sequence[str],
     ) -> None:
-        """`operators` are those whose requests about the lease are answered."""
+        """`operators` are those whose questions and requests are answered, each in turn."""
         cell = description.cell
         self._clock = clock
         self._leases = leases
         self._description = description
-        self._clock_questions = link.answer(CLOCK, cell, refused)
-        self._describe_questions = link.answer(DESCRIBE, cell, refused)
+        self._clock_questions = [
+            link.answer(CLOCK, cell, refused),
+            *(link.answer(OWN_CLOCK, cell, refused, operator=operator) for operator in operators),
+        ]
+        describe_questions = [
+            link.answer(DESCRIBE, cell, refused),
+            *(link.answer(OWN_DESCRIBE, cell, refused, operator=operator) for operator in operators),
+        ]
+        self._describe_turns = cycle(describe_questions)
         self._troubles = [link.answer(TROUBLE, cell, refused, operator=operator) for operator in operators]
         self._trouble_log = TroubleLog(REPORTED_EVENT)
         self._probes = ProbeServer(link, cell, operators, clock, refused)
         self._lease_requests = [link.serve(LEASE, cell, refused, operator=operator) for operator in operators]
 
     def poll(self, *, engaged: bool) -> None:
-        """Answer what is waiting, at most one of a kind, and one of each operator about the lease.
+        """Answer what is waiting, at most one of a kind of each operator, and one question for the description.
 
         While the arm is `engaged`, probes may not load its link.
         """
         now_ns = self._clock.now_ns()
-        self._clock_questions.poll(lambda _question: self._time(now_ns))
-        self._describe_questions.poll(self._describe)
+        for questions in self._clock_questions:
+            questions.poll(lambda _question: self._time(now_ns))
+        next(self._describe_turns).poll(self._describe)
         for server in self._lease_requests:
             if (asked := server.take(now_ns)) is not None:
                 asked.reply(answer_lease(self._leases, asked.question, asked.operator, now_ns))

@@ -104,6 +104,15 @@ def test_only_the_recorder_that_listens_to_the_sites_has_a_network() -> None:
     assert "AF_INET" in operator["RestrictAddressFamilies"].split()
 
 
+@pytest.mark.parametrize("name", ["remote", "local", "console", "router", "record-local"])
+def test_what_listens_ends_before_it_takes_the_hosts_memory_and_has_files_for_silent_connections(name: str) -> None:
+    service = unit_of(name)["Service"]
+    assert re.fullmatch(r"[5-7]\d%", service["MemoryMax"]), "generous, and less than the host has"
+    assert service["MemorySwapMax"] == "0"
+    assert service.get("OOMPolicy", "stop") == "stop", "the driver's process is asked to end, and stops the arm"
+    assert int(service["LimitNOFILE"]) >= 16384
+
+
 @analyse
 @pytest.mark.parametrize("unit", UNITS, ids=named)
 def test_systemd_takes_the_unit(unit: Path, tmp_path: Path) -> None:

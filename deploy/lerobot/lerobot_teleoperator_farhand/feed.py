@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import zenoh
 
-from lerobot_teleoperator_farhand.session import open_session, stranger
+from lerobot_teleoperator_farhand.session import open_session, own_key, stranger
 from lerobot_teleoperator_farhand.wire import CellState, WireError, cell_state, clock_times, joint_names, question
 
 NS_PER_S, NS_PER_MS = 10**9, 10**6
@@ -50,6 +50,8 @@ class StateFeed:
         self._payload: bytes | None = None
         self._offset: MeasuredOffset | None = None
         self._asked_ns = 0
+        self._describe_key = own_key(f"farhand/{cell}/rpc/describe", cell, certificate)
+        self._clock_key = own_key(f"farhand/{cell}/clock", cell, certificate)
         self._session = open_session(cell, remote, ca, certificate, key)
         self._names_listener = bool(ca)
         self._subscriber = self._session.declare_subscriber(f"farhand/{cell}/state", self._take)
@@ -62,8 +64,7 @@ class StateFeed:
         """The names of the cell's joints; ConnectionError where nobody answers in time, or somebody else listens."""
         until_ns = time.monotonic_ns() + round(timeout_s * NS_PER_S)
         while time.monotonic_ns() < until_ns:
-            key = f"farhand/{self._cell}/rpc/describe"
-            for reply in self._session.get(key, payload=question(), timeout=QUESTION_TIMEOUT_S):
+            for reply in self._session.get(self._describe_key, payload=question(), timeout=QUESTION_TIMEOUT_S):
                 if reply.ok is not None:
                     return joint_names(reply.ok.payload.to_bytes())
                 said = reply.err.payload.to_bytes() if reply.err is not None else b""
@@ -115,8 +116,7 @@ class StateFeed:
             if reply.ok is not None:
                 self._time(now_ns, reply.ok.payload.to_bytes(), come_ns)
 
-        key = f"farhand/{self._cell}/clock"
-        self._session.get(key, take, payload=question(), timeout=QUESTION_TIMEOUT_S)
+        self._session.get(self._clock_key, take, payload=question(), timeout=QUESTION_TIMEOUT_S)
 
     def _time(self, asked_ns: int, answer: bytes, come_ns: int) -> None:
         """Keep what a round trip shows of the offset, unless an earlier one is still more certain."""

@@ -1,6 +1,9 @@
 """A Zenoh session that hears one cell alone: with certificates, only who has that of its remote site or router."""
 
 import json
+import re
+import ssl
+from pathlib import Path
 from typing import Any
 
 import zenoh
@@ -8,6 +11,7 @@ import zenoh
 SENDERS = "remote", "router"  # of a state: the roles in the common name of a certificate, ROLE.CELL
 LISTENING = ("ingress", "put"), ("egress", "declare_subscriber")
 ASKING = ("egress", "query"), ("ingress", "reply"), ("ingress", "declare_queryable")
+COMMON_NAME = re.compile(rb"\x06\x03\x55\x04\x03[\x0c\x13](.)", re.DOTALL)  # of a certificate: identifier, type, length
 
 
 def open_session(cell: str, remote: str, ca: str, certificate: str, key: str) -> zenoh.Session:
@@ -39,6 +43,22 @@ def open_session(cell: str, remote: str, ca: str, certificate: str, key: str) ->
     return zenoh.open(config)
 
 
+def own_key(key: str, cell: str, certificate: str) -> str:
+    """The key on which who has this certificate asks: an operator's ends in that operator's name.
+
+    Without a certificate, and in the other roles, it is the `key` itself. ConnectionError where it cannot be read.
+    """
+    if not certificate:
+        return key
+    try:
+        der, prefix = ssl.PEM_cert_to_DER_cert(Path(certificate).read_text()), f"operator.{cell}.".encode()
+    except (OSError, ValueError) as error:
+        raise ConnectionError(f"cannot read the certificate {certificate}: {error}") from error
+    names = (der[found.end() :][: found[1][0]] for found in COMMON_NAME.finditer(der))
+    name = next((name.removeprefix(prefix).decode() for name in names if name.startswith(prefix)), None)
+    return key if name is None else f"{key}/{name}"
+
+
 def stranger(session: zenoh.Session, cell: str) -> str | None:
     """The common name in the certificate of a listener that is neither the cell's remote site nor its router."""
     shown = (link.auth_identifier or "nobody" for link in session.info.links())
@@ -54,7 +74,8 @@ def _from_the_cell_alone(cell: str) -> dict[str, Any]:
 
     The authority of viewers trusts every viewer, and a link that comes back may lead to another listener.
     """
-    state, asked = [f"farhand/{cell}/state"], [f"farhand/{cell}/rpc/describe", f"farhand/{cell}/clock"]
+    state = [f"farhand/{cell}/state"]
+    asked = [f"farhand/{cell}/{what}{whose}" for what in ("rpc/describe", "clock") for whose in ("", "/*")]
     passing = [(*kind, state) for kind in LISTENING] + [(*kind, asked) for kind in ASKING]
     rules = [
         {"id": f"{flow} {message}", "permission": "allow", "flows": [flow], "messages": [message], "key_exprs": keys}

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import zenoh
 
-from common.link.channels import CLOCK, LOAD_ECHO, STOP
+from common.link.channels import LOAD_ECHO, OWN_CLOCK, STOP
 from common.messages.codec import encode
 from common.messages.requests import ClockQuestion, StopRequest
 from tests.common.link.secured_cell import BEN, CELL, dishonest
@@ -28,7 +28,7 @@ def read_no_more(_: zenoh.Sample) -> None:
 def main(endpoint: str, folder: Path, every_s: float) -> None:
     """Fall silent with the first message, and ask for answers that the other side has to wait with."""
     questions = (
-        (CLOCK.key_for(CELL), encode(ClockQuestion())),
+        (OWN_CLOCK.key_for(CELL, operator=BEN), encode(ClockQuestion())),
         (STOP.key_for(CELL, operator=BEN), encode(StopRequest())),
     )
     with dishonest(endpoint, folder, f"operator.{BEN}", receive_buffer_bytes=SMALL_BYTES) as session:

@@ -16,7 +16,7 @@ import msgspec
 import zenoh
 
 import tests.common.messages.golden_examples as golden
-from common.link.channels import ANY, CLOCK, ENGAGEMENT, HAND, MAINTENANCE, MAINTENANCE_STOP, STATE, STOP
+from common.link.channels import ANY, CLOCK, ENGAGEMENT, HAND, MAINTENANCE, MAINTENANCE_STOP, OWN_CLOCK, STATE, STOP
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
@@ -95,7 +95,8 @@ class Cell:
         servers.append(self.link.serve(MAINTENANCE, CELL, print))
         stops = [self.link.answer(STOP, CELL, print, operator=name) for name in OPERATORS]
         stops.append(self.link.answer(MAINTENANCE_STOP, CELL, print))
-        clock = self.link.answer(CLOCK, CELL, print)
+        clocks = [self.link.answer(OWN_CLOCK, CELL, print, operator=name) for name in OPERATORS]
+        clocks.append(self.link.answer(CLOCK, CELL, print))
         while not self._stop.wait(0.005):
             state.put(ROBOT_STATE)
             for hand in hands:
@@ -103,7 +104,8 @@ class Cell:
                 if named is not None:
                     self.hands += 1
                     self.heard[named[0]] += 1
-            clock.poll(lambda _: ClockAnswer(received_ns=1, answered_ns=2))
+            for clock in clocks:
+                clock.poll(lambda _: ClockAnswer(received_ns=1, answered_ns=2))
             for asked in (*(server.take(time.monotonic_ns()) for server in servers), *(stop.take() for stop in stops)):
                 if asked is not None:
                     self.asked += 1

@@ -9,7 +9,7 @@ import pytest
 import zenoh
 
 from common.errors import RefusedError, TransportError
-from common.link.channels import CLOCK, HAND, STATE
+from common.link.channels import CLOCK, HAND, OWN_CLOCK, STATE
 from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
 from common.link.endpoints import SECURED
 from common.link.roles import Identity, Role
@@ -158,7 +158,7 @@ def test_an_impostor_who_comes_later_hears_nothing_and_is_not_believed(pki: Path
         hand, state = link.publisher(HAND, CELL, operator=ANNA), link.latest(STATE, CELL)
         impostor = stack.enter_context(dishonest(endpoint, pki, "earlier-maintenance", listen=True))
         heard = impostor.declare_subscriber("**", zenoh.handlers.RingChannel(1), allowed_origin=zenoh.Locality.REMOTE)
-        answering = impostor.declare_queryable(CLOCK.key_for(CELL), zenoh.handlers.RingChannel(1))
+        answering = impostor.declare_queryable(OWN_CLOCK.key_for(CELL, operator=ANNA), zenoh.handlers.RingChannel(1))
         until(link._session.info.links)
         for _ in range(20):
             hand.put(HAND_SAMPLE)

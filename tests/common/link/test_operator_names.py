@@ -9,7 +9,7 @@ import pytest
 import zenoh
 
 from common.errors import RefusedError
-from common.link.channels import CLOCK, HAND, INTENT, LEASE, OPERATE, STATE
+from common.link.channels import CLOCK, HAND, INTENT, LEASE, OPERATE, OWN_CLOCK, STATE
 from common.link.endpoints import SECURED
 from common.link.transport import open_link, open_router
 from common.messages.codec import encode
@@ -108,6 +108,18 @@ def test_an_operator_cannot_speak_to_anothers_local_site_through_a_router(pki: P
             list(ben.get(OPERATE.key_for(CELL, operator=ANNA), payload=encode(request()), timeout=QUIET_S))
         time.sleep(QUIET_S)
         assert [intents.try_recv(), asked.try_recv()] == [None, None]
+
+
+def test_an_operator_asks_for_the_clock_on_the_own_key_alone(pki: Path, cell: Cell) -> None:
+    with dishonest(cell.endpoint, pki, "operator.ben") as ben:
+
+        def answers(key: str) -> list[zenoh.Reply]:
+            replies = ben.get(key, payload=encode(ClockQuestion()), timeout=QUIET_S)
+            return [reply for reply in replies if reply.ok is not None]
+
+        until(lambda: answers(OWN_CLOCK.key_for(CELL, operator=BEN)))
+        for key in (OWN_CLOCK.key_for(CELL, operator=ANNA), OWN_CLOCK.key_for(CELL), CLOCK.key_for(CELL)):
+            assert not answers(key)
 
 
 def test_an_honest_client_refuses_itself_anothers_name(pki: Path, cell: Cell) -> None:

@@ -164,3 +164,23 @@ def test_with_certificates_a_viewers_suffices(secured_cell, tmp_path):
     foreign = {name: path.replace("/pki/", "/foreign/") for name, path in given.items()}
     with pytest.raises(ConnectionError, match="do the certificates belong to it"):
         teleop(secured_cell, connect_timeout_s=0.5, **foreign).connect()
+
+
+def test_an_operators_certificate_asks_on_keys_of_its_own(secured_cell, tmp_path):
+    pair = tmp_path / "pki" / CELL / "operator.anna"
+    secured_cell.endpoint = secured_cell.control
+    device = teleop(secured_cell, ca=f"{tmp_path}/pki/ca.pem", certificate=f"{pair}.pem", key=f"{pair}.key")
+    device.connect()
+    try:
+        assert list(action(device)) == list(device.action_features)
+    finally:
+        device.disconnect()
+
+
+@pytest.mark.parametrize("words", [None, "no certificate"])
+def test_a_certificate_that_cannot_be_read_is_named(secured_cell, tmp_path, words):
+    path = tmp_path / "operator.pem"
+    if words is not None:
+        path.write_text(words)
+    with pytest.raises(ConnectionError, match=r"operator\.pem"):
+        teleop(secured_cell, ca="ca.pem", certificate=str(path), key="key.pem").connect()

@@ -56,6 +56,12 @@ def test_operators_and_maintenance_stop_each_on_their_own_key(
     assert cell.heard[key] > before
 
 
+@pytest.mark.parametrize("who", ["operator.anna", "maintenance"])
+def test_where_quic_lets_nobody_in_a_stop_goes_by_tls(pki: Path, cell: Cell, who: str) -> None:
+    by_quic = cell.endpoint.replace("tls/", "quic/")  # nothing answers there
+    assert re.match(ACKNOWLEDGED, request_stop(CELL, by_quic, ANNA, secured(pki, who)))
+
+
 @pytest.mark.usefixtures("impatient")
 @pytest.mark.parametrize(
     ("who", "operator", "why"),
