@@ -1,0 +1,76 @@
+"""Whatever an operator sends while a recorder runs: the recording goes on, its files can be read, and stay small."""
+
+from itertools import count
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from common.link.channels import HAND
+from common.messages.codec import encode
+from common.messages.hand import ClockSync, HandArm
+from common.recording.reader import RecordingReader
+from common.recording.records import MOST_TIME_NS
+from tests.remote_site.driven_loop import CONFIG
+from tests.remote_site.hostile_hand import HostileHand
+from tests.remote_site.recording.recorded_site import CELL, RecordedSite
+from tests.remote_site.remote_loop import hand
+
+LARGEST = 2**63 - 1
+OTHERS = HAND.key_for(CELL, operator="ben")
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> RecordedSite:
+    made = RecordedSite(tmp_path)
+    made.loop.link.activate(CONFIG.robot.start)
+    made.run(0.1)
+    return made
+
+
+def sync(remote_minus_local_ns: int) -> ClockSync:
+    return ClockSync(remote_minus_local_ns=remote_minus_local_ns, uncertainty_ns=0, measured_ns=0)
+
+
+def send(site: RecordedSite, sample: HandArm) -> None:
+    """A sample of an operator without the lease arrives, and the site goes on for a moment."""
+    site.tap.note_message(OTHERS, encode(sample), sent=False)
+    site.idle(0.2)
+
+
+def published_since_1970_ns(site: RecordedSite, topic: str) -> list[int]:
+    """When the messages of a topic were sent, once the recording has ended; every message of it is read."""
+    site.end()
+    (path,) = site.files
+    with RecordingReader(path) as reader:
+        epoch_ns = reader.epoch_minus_clock_ns
+        return [message.published_ns + epoch_ns for message in reader.messages() if message.topic == topic]
+
+
+@pytest.mark.parametrize(
+    ("capture_ns", "sent_ns", "offset_ns", "expected_ns"),
+    [
+        (LARGEST, None, 0, MOST_TIME_NS - 1),
+        (2**62, None, 0, MOST_TIME_NS - 1),
+        (LARGEST, LARGEST, LARGEST, MOST_TIME_NS - 1),
+        (0, 0, -LARGEST, 0),
+    ],
+)
+def test_a_sample_of_any_time_leaves_a_recording_that_goes_on_and_can_be_read(
+    site: RecordedSite, capture_ns: int, sent_ns: int | None, offset_ns: int, expected_ns: int
+) -> None:
+    sample = hand(5, capture_ns, clock=sync(offset_ns))
+    send(site, msgspec.structs.replace(sample, sent_ns=sent_ns))
+    assert site.recorder.state().writing
+    assert published_since_1970_ns(site, "/hand/ben") == [expected_ns]
+
+
+def test_any_samples_that_the_wire_accepts_leave_a_recording_that_can_be_read(site: RecordedSite) -> None:
+    hostile, numbers = HostileHand(1), count()
+    for _ in range(5):
+        for _ in range(20):
+            sample = hostile.sample(next(numbers), site.clock.now_ns())
+            site.tap.note_message(OTHERS, encode(sample), sent=False)
+        site.idle(1.0)
+    assert site.recorder.state().writing
+    assert len(published_since_1970_ns(site, "/hand/ben")) == next(numbers)
