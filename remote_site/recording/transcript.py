@@ -5,6 +5,7 @@ from importlib.metadata import version
 
 import msgspec
 import numpy as np
+import structlog
 
 from common.errors import MessageError
 from common.geometry import transform
@@ -20,7 +21,8 @@ from remote_site.recording import topics
 from remote_site.recording.camera_frames import camera_frame
 from remote_site.recording.cycle_record import CycleOutcome, decode_input, decode_outcome
 from remote_site.recording.kept_config import encode_config
-from remote_site.recording.records import FullPicture, PassedMessage, RecordedTick
+from remote_site.recording.message_budget import KEPT_BYTES_PER_S
+from remote_site.recording.records import FullPicture, LeftOut, PassedMessage, RecordedTick
 from remote_site.teleop.cycle import CycleInput
 from remote_site.video.calibration import calibration_of
 
@@ -103,6 +105,14 @@ class Transcript:
         t_ns, frame = picture.capture_ns, topics.camera_frame_name(picture.camera)
         image = foxglove.jpeg_image(session.since_1970_ns(t_ns), frame, picture.data)
         session.add(image_topic(picture.camera), image, t_ns)
+
+    def left_out(self, session: RecordingSession, left: LeftOut) -> None:
+        """What was not recorded of an operator, as a line of the recording's log and of the recorder's."""
+        who, size = left.operator or "senders without a name", f"{left.size / 1000:.0f} kB"
+        why = f"at most {KEPT_BYTES_PER_S >> 10} kB a second of each are, beside the lease holder's hand samples"
+        sentence = f"{left.messages} messages ({size}) of {who} are not recorded: {why}"
+        add_log(session, left.t_ns, "left out", sentence)
+        structlog.get_logger().warning("not all is recorded", reason=sentence)
 
     def _joints(self, session: RecordingSession, t_ns: int, given: CycleInput, outcome: CycleOutcome) -> None:
         names, since_1970_ns = self._model.joint_names, session.since_1970_ns

@@ -2,6 +2,7 @@
 
 import random
 from functools import partial
+from typing import Any
 
 from common.messages.codec import decode, encode
 from common.messages.hand import ClockSync, HandArm, Intent, Locks, OperatorSettings, PointCovariances, TrackingStatus
@@ -28,7 +29,7 @@ class HostileHand:
         return None if self._chance.random() < 0.1 else (draw(), draw(), draw())
 
     def _covariances(self) -> PointCovariances | None:
-        def of_point() -> tuple[float, ...]:
+        def of_point() -> Any:
             return tuple(self._chance.choice(VARIANCES) for _ in range(6))
 
         return None if self._chance.random() < 0.5 else PointCovariances(**{name: of_point() for name in NAMES})
@@ -49,7 +50,7 @@ class HostileHand:
             remote_ahead_ns=chance.choice((None, 0, 1, -(2**40), 2**63 - 1, -(2**63))),
         )
         points = {name: self._point() for name in NAMES}
-        changes = points | {
+        changes: dict[str, Any] = points | {
             "gripper_toggles": chance.choice(COUNTS),
             "covariance": self._covariances(),
             "clock": chance.choice((None, clock, clock)),

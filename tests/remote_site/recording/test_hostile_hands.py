@@ -1,5 +1,7 @@
 """Whatever an operator sends while a recorder runs: the recording goes on, its files can be read, and stay small."""
 
+import random
+from collections import Counter
 from itertools import count
 from pathlib import Path
 
@@ -9,23 +11,29 @@ import pytest
 from common.link.channels import HAND
 from common.messages.codec import encode
 from common.messages.hand import ClockSync, HandArm
-from common.recording.reader import RecordingReader
+from common.recording.reader import KeptMessage, RecordingReader
 from common.recording.records import MOST_TIME_NS
+from remote_site.recording.message_budget import KEPT_BYTES_PER_S
 from tests.remote_site.driven_loop import CONFIG
 from tests.remote_site.hostile_hand import HostileHand
-from tests.remote_site.recording.recorded_site import CELL, RecordedSite
+from tests.remote_site.recording.recorded_site import CELL, KEY, RecordedSite
 from tests.remote_site.remote_loop import hand
 
-LARGEST = 2**63 - 1
+LARGEST, NOISY_S = 2**63 - 1, 3
 OTHERS = HAND.key_for(CELL, operator="ben")
+
+
+def began(folder: Path) -> RecordedSite:
+    folder.mkdir(exist_ok=True)
+    made = RecordedSite(folder)
+    made.loop.link.activate(CONFIG.robot.start)
+    made.run(0.1)
+    return made
 
 
 @pytest.fixture
 def site(tmp_path: Path) -> RecordedSite:
-    made = RecordedSite(tmp_path)
-    made.loop.link.activate(CONFIG.robot.start)
-    made.run(0.1)
-    return made
+    return began(tmp_path)
 
 
 def sync(remote_minus_local_ns: int) -> ClockSync:
@@ -74,3 +82,30 @@ def test_any_samples_that_the_wire_accepts_leave_a_recording_that_can_be_read(si
         site.idle(1.0)
     assert site.recorder.state().writing
     assert len(published_since_1970_ns(site, "/hand/ben")) == next(numbers)
+
+
+def kept_after_noise(site: RecordedSite, noise: int) -> tuple[int, list[KeptMessage]]:
+    """The bytes of the recording and its messages, after seconds with so many noisy hand samples of ben's each tick."""
+    chance = random.Random(1)  # noqa: S311  # noise, the same each time
+    for _ in range(250 * NOISY_S):
+        for _ in range(noise):
+            site.tap.note_message(OTHERS, chance.randbytes(4096), sent=False, refused=True)
+        site.loop.tick()
+        site.note()
+        site._after_tick(recorder_lives=True)
+    site.end()
+    (path,) = site.files
+    with RecordingReader(path) as reader:
+        return path.stat().st_size, list(reader.messages())
+
+
+def test_noise_of_an_operator_without_the_lease_leaves_a_recording_small_and_whole(tmp_path: Path) -> None:
+    quiet, noisy = (began(tmp_path / name) for name in ("quiet", "noisy"))
+    (usual, _), (size, messages) = kept_after_noise(quiet, 0), kept_after_noise(noisy, 16)
+    assert size < usual + 2 * KEPT_BYTES_PER_S * (NOISY_S + 1)
+    topics = Counter(message.topic for message in messages)
+    assert topics[KEY] == sum(1 for m in messages if m.topic == "/hand/operator-7") >= 30 * NOISY_S
+    said = [m.data for m in messages if m.topic == "/log" and b"are not recorded" in m.data]
+    assert len(said) == 1
+    assert b"of ben" in said[0]
+    assert noisy.recorder.lost == 0
