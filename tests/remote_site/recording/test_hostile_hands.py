@@ -8,7 +8,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from common.link.channels import HAND
+from common.link.channels import HAND, SHOWN
 from common.messages.codec import encode
 from common.messages.hand import ClockSync, HandArm
 from common.recording.reader import KeptMessage, RecordingReader
@@ -109,3 +109,17 @@ def test_noise_of_an_operator_without_the_lease_leaves_a_recording_small_and_who
     assert len(said) == 1
     assert b"of ben" in said[0]
     assert noisy.recorder.lost == 0
+
+
+def test_noise_at_the_video_endpoint_is_bounded_and_said_too(site: RecordedSite) -> None:
+    shown, sent = SHOWN.key_for(CELL, operator="ben"), 4 * 250 * NOISY_S
+    for _ in range(250 * NOISY_S):
+        for _ in range(4):
+            site.video.note_message(shown, bytes(4096), sent=False, refused=True)
+        site.idle(0.004)
+    site.end()
+    with RecordingReader(site.files[0]) as reader:
+        messages = list(reader.messages())
+    kept = sum(message.topic == shown for message in messages)
+    assert 0 < kept * 4096 < KEPT_BYTES_PER_S * (NOISY_S + 2) < sent * 4096
+    assert sum(b"are not recorded" in message.data for message in messages if message.topic == "/log") == 1
