@@ -96,6 +96,10 @@ class Code(StrEnum):
         "the remote site's administrator begins and ends the recording (record.start = 'at_once' there)",
     )
     NOT_RECORDING = "not_recording", "nothing is recorded now: begin a recording first"
+    TOO_MANY_EPISODES = (
+        "too_many_episodes",
+        "this recording has {most} episodes, as many as one may have: have it ended, and another begun",
+    )
     RECORD_ASKED = "record_asked", "the recorder has been asked; the mark on the page shows what it does"
     # the session
     NOT_ENGAGED = "not_engaged", "not engaged yet"

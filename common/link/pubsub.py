@@ -137,5 +137,10 @@ class Latest(Generic[M]):
         return self._copies is not None and self._copies.is_copy(payload)
 
     def _decode(self, key: str, payload: bytes) -> M:
+        try:
+            message = decode(payload, self._channel.message, self._channel.max_bytes)
+        except MessageError:
+            self._tap(key, payload, sent=False, refused=True)
+            raise
         self._tap(key, payload, sent=False)
-        return decode(payload, self._channel.message, self._channel.max_bytes)
+        return message

@@ -4,10 +4,13 @@ from typing import Protocol
 
 
 class MessageTap(Protocol):
-    """Called with the key and the bytes of each message, `sent` by this side or received; it must never wait."""
+    """Called with the key and the bytes of each message, `sent` by this side or received; it must never wait.
 
-    def __call__(self, key: str, payload: bytes, *, sent: bool) -> None: ...
+    What was received on a channel and is no message of it is `refused`.
+    """
+
+    def __call__(self, key: str, payload: bytes, *, sent: bool, refused: bool = False) -> None: ...
 
 
-def untapped(key: str, payload: bytes, *, sent: bool) -> None:
+def untapped(key: str, payload: bytes, *, sent: bool, refused: bool = False) -> None:
     """Nobody looks."""

@@ -9,6 +9,8 @@ from common.messages.recording import EpisodeOutcome
 from common.messages.requests import RecordAction
 from common.recording.config import EpisodeBounds
 
+MOST_EPISODES = 10_000  # of a recording: its readers take no more
+
 
 class EpisodeEventKind(StrEnum):
     """What an event says of its episode."""
@@ -36,7 +38,10 @@ class EpisodeEvent(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass
 class Episodes:
-    """Numbers the episodes of one recording from 1; of an ended one, outcome and note may still be given."""
+    """Numbers the episodes of one recording from 1; of an ended one, outcome and note may still be given.
+
+    After MOST_EPISODES none begins any more: what would begin one has no effect.
+    """
 
     bounds: EpisodeBounds
     task: str = ""
@@ -58,7 +63,7 @@ class Episodes:
         if not changed or self.bounds is not EpisodeBounds.ENGAGEMENT:
             return []
         if engaged and not self.is_open:
-            return [self._begin(t_ns, "engagement")]
+            return self._begin(t_ns, "engagement")
         return self._end(t_ns, "engagement") if not engaged else []
 
     def act(
@@ -67,7 +72,7 @@ class Episodes:
         """What an operator asks for; without effect there is no event."""
         self.task = task or self.task
         if action is RecordAction.BEGIN:
-            return [*self._end(t_ns, by), self._begin(t_ns, by)]
+            return self._begin(t_ns, by)
         if self.number == 0:
             return []
         said = self.outcome, self.note, self._task
@@ -83,10 +88,14 @@ class Episodes:
         """The recording ends, and with it the episode under way."""
         return self._end(t_ns, "recording")
 
-    def _begin(self, t_ns: int, by: str) -> EpisodeEvent:
+    def _begin(self, t_ns: int, by: str) -> list[EpisodeEvent]:
+        """The next episode, which ends the one under way."""
+        if self.number >= MOST_EPISODES:
+            return []
+        ended = self._end(t_ns, by)
         self.number += 1
         self.is_open, self.outcome, self.note, self._task = True, EpisodeOutcome.UNKNOWN, "", self.task
-        return self._event(EpisodeEventKind.BEGIN, t_ns, by)
+        return [*ended, self._event(EpisodeEventKind.BEGIN, t_ns, by)]
 
     def _end(self, t_ns: int, by: str) -> list[EpisodeEvent]:
         if not self.is_open:

@@ -1,5 +1,6 @@
 """One recording at a time, which ends with an alarm where nothing more can be written, and never with its process."""
 
+import struct
 from collections.abc import Callable
 from contextlib import suppress
 from datetime import datetime
@@ -49,10 +50,19 @@ class GuardedRecording:
     def _guarded(self, write: Callable[[], None]) -> None:
         try:
             write()
-        except (OSError, RecordingError) as error:
-            why = f"{error.strerror}; free some space, and start it again" if isinstance(error, OSError) else str(error)
+        except (OSError, RecordingError, struct.error) as error:
+            why = _why(error)
             session, self.session, self.alarm = self.session, None, f"recording has ended: {why}"
             structlog.get_logger().error("recording has ended", reason=why)
             if session is not None:
                 with suppress(RecordingError, OSError):  # the disk may be too full for the index, too
                     session.abandon()
+
+
+def _why(error: Exception) -> str:
+    """What ended a recording, with what to do."""
+    if isinstance(error, OSError):
+        return f"{error.strerror}; free some space, and start it again"
+    if isinstance(error, struct.error):
+        return f"a number has no room in the file ({error}); start it again"
+    return str(error)

@@ -59,7 +59,7 @@ class HandTranscript:
         seen = {name: getattr(hand, name) for name in HAND_POINTS}
         spread = {name: getattr(hand.covariance, name, None) for name in HAND_POINTS}
         named = {name: (at, spread[name]) for name, at in seen.items() if at is not None}
-        cloud = foxglove.points(captured_ns + session.epoch_ns, OPERATOR_FRAME, named, HAND_POINTS)
+        cloud = foxglove.points(session.since_1970_ns(captured_ns), OPERATOR_FRAME, named, HAND_POINTS)
         session.add(hand_topic(operator), cloud, t_ns, captured_ns)
         return hand.sent_ns + offset_ns if hand.sent_ns is not None and offset_ns is not None else None
 
@@ -86,4 +86,4 @@ def add_episode(session: RecordingSession, event: EpisodeEvent) -> None:
 
 def add_log(session: RecordingSession, t_ns: int, name: str, sentence: str) -> None:
     """Keep a line of the log."""
-    session.add(LOG, foxglove.log_line(t_ns + session.epoch_ns, name, sentence), t_ns)
+    session.add(LOG, foxglove.log_line(session.since_1970_ns(t_ns), name, sentence), t_ns)

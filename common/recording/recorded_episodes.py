@@ -8,11 +8,10 @@ import msgspec
 
 from common.errors import RecordingError
 from common.messages.recording import EpisodeOutcome
-from common.recording.episodes import EpisodeEvent, EpisodeEventKind
+from common.recording.episodes import MOST_EPISODES, EpisodeEvent, EpisodeEventKind
 from common.recording.hand_transcript import EPISODE
 from common.recording.reader import KeptMessage, RecordingReader, as_recorded
 
-MOST_EPISODES = 10_000
 MOST_EVENT_BYTES = 6 << 10  # of one event; a task and a note have at most 400 characters each
 
 

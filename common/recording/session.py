@@ -11,6 +11,7 @@ from common.recording.config import RecordConfig
 from common.recording.folder import BYTES_PER_GB, file_name, prune
 from common.recording.mcap_file import McapFile
 from common.recording.reader import CLOCK_TABLE, EPOCH_KEY
+from common.recording.records import MOST_TIME_NS
 from common.recording.repair import repair
 from common.recording.topics import Topic
 
@@ -41,7 +42,7 @@ class RecordingSession:
 
     def __init__(self, plan: RecordingPlan, began: datetime, now_ns: int, preamble: "Preamble") -> None:
         self._plan, self._began, self._preamble = plan, began, preamble
-        self.epoch_ns = (began - EPOCH) // timedelta(microseconds=1) * 1000 - now_ns
+        self._epoch_ns = (began - EPOCH) // timedelta(microseconds=1) * 1000 - now_ns
         self._part, self._begun_ns, self._flushed_ns = 0, now_ns, now_ns
         self._file = self._next_part(now_ns)
 
@@ -50,10 +51,14 @@ class RecordingSession:
         """The file that grows."""
         return self._file.path
 
+    def since_1970_ns(self, t_ns: int) -> int:
+        """A time in the file; one that no reader takes, as an operator's sample may name, becomes the nearest."""
+        return min(max(t_ns + self._epoch_ns, 0), MOST_TIME_NS - 1)
+
     def add(self, topic: Topic, data: bytes, t_ns: int, published_ns: int | None = None) -> None:
         """Keep a message of this time; `published_ns` is when it was sent, else the same."""
         published_ns = t_ns if published_ns is None else published_ns
-        self._file.add(topic, data, max(t_ns + self.epoch_ns, 0), max(published_ns + self.epoch_ns, 0))
+        self._file.add(topic, data, self.since_1970_ns(t_ns), self.since_1970_ns(published_ns))
 
     def describe(self, name: str, table: dict[str, str]) -> None:
         """Keep a table of words; for the preamble."""
@@ -61,7 +66,7 @@ class RecordingSession:
 
     def attach(self, name: str, media_type: str, data: bytes, now_ns: int) -> None:
         """Keep a document; for the preamble."""
-        self._file.attach(name, media_type, data, now_ns + self.epoch_ns)
+        self._file.attach(name, media_type, data, self.since_1970_ns(now_ns))
 
     def tend(self, now_ns: int) -> None:
         """Flush once a second; go on in a new file where it is time for one."""
@@ -98,7 +103,7 @@ class RecordingSession:
         except FileExistsError as error:
             raise RecordingError(f"{path} exists already; give another name, or wait a second") from error
         self._begun_ns = self._flushed_ns = now_ns
-        self._file.describe(CLOCK_TABLE, {EPOCH_KEY: str(self.epoch_ns), "part": str(self._part)})
+        self._file.describe(CLOCK_TABLE, {EPOCH_KEY: str(self._epoch_ns), "part": str(self._part)})
         self._preamble(self, now_ns)
         return self._file
 

@@ -119,7 +119,7 @@ class OperatorRecorder:
             elif message.key == STATE.key_for(self._config.cell):
                 self._follow(session, decode(message.payload, RobotState, STATE.max_bytes), message.t_ns)
             elif topic.schema.name.startswith(f"farhand.{VideoFrame.__name__}."):
-                self._picture(session, decode(message.payload, VideoFrame, PREVIEW.max_bytes))
+                self._picture(session, decode(message.payload, VideoFrame, PREVIEW.max_bytes), message.t_ns)
         except MessageError:
             add_log(session, message.t_ns, "refused", f"{message.key}: not a message of this release")
         session.add(topic, message.payload, message.t_ns, published_ns)
@@ -131,7 +131,8 @@ class OperatorRecorder:
             self._said = said
             add_log(session, t_ns, "session", f"{said[0]} ({said[1]}): {state.reason}")
 
-    def _picture(self, session: RecordingSession, frame: VideoFrame) -> None:
+    def _picture(self, session: RecordingSession, frame: VideoFrame, t_ns: int) -> None:
         if frame.data and frame.codec is Codec.JPEG:
-            image = foxglove.jpeg_image(frame.capture_ns + session.epoch_ns, f"operator_{frame.camera}", frame.data)
-            session.add(view_topic(frame.camera), image, frame.capture_ns)
+            captured = session.since_1970_ns(frame.capture_ns)
+            image = foxglove.jpeg_image(captured, f"operator_{frame.camera}", frame.data)
+            session.add(view_topic(frame.camera), image, t_ns, frame.capture_ns)

@@ -2,6 +2,7 @@
 
 from common.messages.recording import RecordingState
 from common.messages.requests import NO_RECORDER, RecordAction, RecordRequest, Reply
+from common.recording.episodes import MOST_EPISODES
 
 WHOLE_RECORDING = (RecordAction.START, RecordAction.STOP)
 Refusal = tuple[str, str]
@@ -22,6 +23,13 @@ def refusal_of(action: RecordAction, recorder: RecordingState | None, *, holds_l
         return "record_fixed", "this host's administrator begins and ends the recording (record.start = 'at_once')"
     if action is not RecordAction.STOP and not holds_lease:
         return "no_lease", "this host's operator does not hold the lease: take it first"
-    if action not in WHOLE_RECORDING and not recorder.writing:
+    return _episode_refusal(action, recorder) if action not in WHOLE_RECORDING else None
+
+
+def _episode_refusal(action: RecordAction, recorder: RecordingState) -> Refusal | None:
+    if not recorder.writing:
         return "not_recording", "nothing is recorded here now: begin a recording first"
+    if action is RecordAction.BEGIN and recorder.episode >= MOST_EPISODES:
+        too_many = f"this recording has {MOST_EPISODES} episodes, as many as one may have: have it ended"
+        return "too_many_episodes", f"{too_many}, and another begun"
     return None

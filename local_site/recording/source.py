@@ -97,7 +97,8 @@ class OperatorSource:
         thread.start()
         return thread
 
-    def _heard(self, key: str, payload: bytes, *, sent: bool) -> None:
+    def _heard(self, key: str, payload: bytes, *, sent: bool, refused: bool = False) -> None:
+        del refused  # it is kept all the same
         if sent:
             return  # the recorder's own notice
         if self._queue.qsize() >= MOST_WAITING:

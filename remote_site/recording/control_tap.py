@@ -10,6 +10,7 @@ from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.link import RobotReport
 from remote_site.recording.cycle_record import encode_input, encode_outcome, outcome_of
 from remote_site.recording.memory import RecordingMemory
+from remote_site.recording.message_budget import MessageBudget
 from remote_site.recording.records import ENCODER, PassedMessage, RecordedTick, RecordOrder, decode_state
 from remote_site.shared_ring import RingReader
 from remote_site.teleop.cycle import Command, CycleInput
@@ -40,14 +41,15 @@ class ControlTap:
         self._status = RingReader(memory.status)
         self._state: RecordingState | None = None
         self._refusals = RefusalLog("a recorder's state is refused")
-        self._messages: list[PassedMessage] = []
+        self._budget = MessageBudget()
+        self._messages: list[tuple[PassedMessage, bool]] = []  # and whether it was refused
         self._ticks = 0
         self._is_watched = memory.has_recorder(clock.now_ns())
 
-    def note_message(self, key: str, payload: bytes, *, sent: bool) -> None:
+    def note_message(self, key: str, payload: bytes, *, sent: bool, refused: bool = False) -> None:
         """A message has passed control's link."""
         if self._is_watched:
-            self._messages.append(PassedMessage(key, self._clock.now_ns(), sent, payload))
+            self._messages.append((PassedMessage(key, self._clock.now_ns(), sent, payload), refused))
 
     def note_cycle(
         self, given: CycleInput, command: Command, ordered: JointCommand | None, report: RobotReport
@@ -61,9 +63,13 @@ class ControlTap:
         outcome = outcome_of(self._ticks, command, ordered, report)
         tick = RecordedTick(given.now_ns, encode_input(given), encode_outcome(outcome))
         self._memory.ticks.write(ENCODER.encode(tick))
-        for message in self._messages:
-            self._memory.ticks.write(ENCODER.encode(message))
+        holder = given.lease.lease.holder.name if given.lease.lease is not None else ""
+        for message, refused in self._messages:
+            if self._budget.keeps(message, holder, refused=refused):
+                self._memory.ticks.write(ENCODER.encode(message))
         self._messages.clear()
+        for left_out in self._budget.take_left_out(given.now_ns):
+            self._memory.ticks.write(ENCODER.encode(left_out))
 
     def order(self, order: RecordOrder) -> None:
         """Hand the recorder what the lease's holder asks of it."""

@@ -11,7 +11,7 @@ from common.recording.session import RecordingSession
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording.attachment import SiteAttachment
-from remote_site.recording.records import FullPicture, Kept, PassedMessage, RecordedTick
+from remote_site.recording.records import FullPicture, Kept, LeftOut, PassedMessage, RecordedTick
 from remote_site.recording.transcript import Transcript
 
 STATUS_NS = 200 * NS_PER_MS
@@ -81,3 +81,5 @@ class CellRecorder:
                 self._transcript.message(session, kept)
             case FullPicture():
                 self._transcript.picture(session, kept)
+            case LeftOut():
+                self._transcript.left_out(session, kept)

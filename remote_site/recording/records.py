@@ -37,6 +37,18 @@ class FullPicture(msgspec.Struct, frozen=True, array_like=True, tag="picture"):
     data: bytes
 
 
+class LeftOut(msgspec.Struct, frozen=True, array_like=True, tag="left_out"):
+    """How many messages of an operator, and of how many bytes, were not recorded until `t_ns`, since it was last told.
+
+    The operator is empty where keys name none.
+    """
+
+    t_ns: int
+    operator: str
+    messages: int
+    size: int
+
+
 class RecordOrder(msgspec.Struct, frozen=True, array_like=True):
     """What the lease's holder asks of the recorder."""
 
@@ -47,7 +59,7 @@ class RecordOrder(msgspec.Struct, frozen=True, array_like=True):
     note: str = ""
 
 
-Kept = RecordedTick | PassedMessage | FullPicture
+Kept = RecordedTick | PassedMessage | FullPicture | LeftOut
 ENCODER = msgspec.msgpack.Encoder()
 KEPT = msgspec.msgpack.Decoder(Kept)
 ORDERS = msgspec.msgpack.Decoder(RecordOrder)

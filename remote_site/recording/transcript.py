@@ -5,6 +5,7 @@ from importlib.metadata import version
 
 import msgspec
 import numpy as np
+import structlog
 
 from common.errors import MessageError
 from common.geometry import transform
@@ -20,7 +21,8 @@ from remote_site.recording import topics
 from remote_site.recording.camera_frames import camera_frame
 from remote_site.recording.cycle_record import CycleOutcome, decode_input, decode_outcome
 from remote_site.recording.kept_config import encode_config
-from remote_site.recording.records import FullPicture, PassedMessage, RecordedTick
+from remote_site.recording.message_budget import KEPT_BYTES_PER_S
+from remote_site.recording.records import FullPicture, LeftOut, PassedMessage, RecordedTick
 from remote_site.teleop.cycle import CycleInput
 from remote_site.video.calibration import calibration_of
 
@@ -69,7 +71,7 @@ class Transcript:
             matrix, parent_T_camera = camera_frame(view)
             parent = topics.TOOL if view.on_tool else topics.BASE
             self._transform(session, now_ns, parent, name, parent_T_camera)
-            kept = foxglove.calibration(now_ns + session.epoch_ns, name, size, matrix)
+            kept = foxglove.calibration(session.since_1970_ns(now_ns), name, size, matrix)
             session.add(topics.calibration_topic(camera.name), kept, now_ns)
 
     def tick(self, session: RecordingSession, tick: RecordedTick) -> CycleOutcome | None:
@@ -101,33 +103,41 @@ class Transcript:
     def picture(self, session: RecordingSession, picture: FullPicture) -> None:
         """A picture in full quality, at its exposure."""
         t_ns, frame = picture.capture_ns, topics.camera_frame_name(picture.camera)
-        image = foxglove.jpeg_image(t_ns + session.epoch_ns, frame, picture.data)
+        image = foxglove.jpeg_image(session.since_1970_ns(t_ns), frame, picture.data)
         session.add(image_topic(picture.camera), image, t_ns)
 
+    def left_out(self, session: RecordingSession, left: LeftOut) -> None:
+        """What was not recorded of an operator, as a line of the recording's log and of the recorder's."""
+        who, size = left.operator or "senders without a name", f"{left.size / 1000:.0f} kB"
+        why = f"at most {KEPT_BYTES_PER_S >> 10} kB a second of each are, beside the lease holder's hand samples"
+        sentence = f"{left.messages} messages ({size}) of {who} are not recorded: {why}"
+        add_log(session, left.t_ns, "left out", sentence)
+        structlog.get_logger().warning("not all is recorded", reason=sentence)
+
     def _joints(self, session: RecordingSession, t_ns: int, given: CycleInput, outcome: CycleOutcome) -> None:
-        names, epoch_ns = self._model.joint_names, session.epoch_ns
+        names, since_1970_ns = self._model.joint_names, session.since_1970_ns
         if outcome.measured_ns != self._measured_ns:
             self._measured_ns = measured_ns = outcome.measured_ns
-            data = foxglove.joint_states(measured_ns + epoch_ns, names, given.robot.q, outcome.measured_dq, None)
+            data = foxglove.joint_states(since_1970_ns(measured_ns), names, given.robot.q, outcome.measured_dq, None)
             session.add(topics.MEASURED, data, t_ns, measured_ns)
         written, ordered = outcome.written, outcome.ordered
         if written is not None and written.t_ns != self._written_ns:
             self._written_ns = written.t_ns
-            data = foxglove.joint_states(written.t_ns + epoch_ns, names, written.q, written.dq, written.ddq)
+            data = foxglove.joint_states(since_1970_ns(written.t_ns), names, written.q, written.dq, written.ddq)
             session.add(topics.WRITTEN, data, t_ns, written.t_ns)
         if ordered is not None:
-            data = foxglove.joint_states(t_ns + epoch_ns, names, ordered.q, ordered.dq, ordered.ddq)
+            data = foxglove.joint_states(since_1970_ns(t_ns), names, ordered.q, ordered.dq, ordered.ddq)
             session.add(topics.COMMANDED, data, t_ns)
 
     def _tool(self, session: RecordingSession, t_ns: int, given: CycleInput, outcome: CycleOutcome) -> None:
         if outcome.number % TICKS_PER_TRANSFORM:
             return
         base_T_tool = self._model.forward(given.robot.q)
-        pose = foxglove.pose_in_frame(outcome.measured_ns + session.epoch_ns, topics.BASE, base_T_tool)
+        pose = foxglove.pose_in_frame(session.since_1970_ns(outcome.measured_ns), topics.BASE, base_T_tool)
         session.add(topics.TOOL_MEASURED, pose, t_ns, outcome.measured_ns)
         self._transform(session, t_ns, topics.BASE, topics.TOOL, base_T_tool)
         if outcome.obeys is not None:
-            target = foxglove.pose_in_frame(t_ns + session.epoch_ns, topics.BASE, outcome.target)
+            target = foxglove.pose_in_frame(session.since_1970_ns(t_ns), topics.BASE, outcome.target)
             session.add(topics.TOOL_TARGET, target, t_ns)
         if given.robot.gripper is not None:
             session.add(topics.GRIPPER, msgspec.json.encode(given.robot.gripper), t_ns)
@@ -150,5 +160,5 @@ class Transcript:
     def _transform(
         self, session: RecordingSession, t_ns: int, parent: str, child: str, parent_T_child: np.ndarray
     ) -> None:
-        data = foxglove.frame_transform(t_ns + session.epoch_ns, parent, child, parent_T_child)
+        data = foxglove.frame_transform(session.since_1970_ns(t_ns), parent, child, parent_T_child)
         session.add(topics.TRANSFORMS, data, t_ns)

@@ -11,6 +11,7 @@ from common.errors import DriverError, MessageError
 from common.link.channels import ENGAGEMENT, HAND, MAINTENANCE, MAINTENANCE_STOP, STATE, STOP, ChannelSession
 from common.link.endpoints import stays_here
 from common.link.pubsub import Latest
+from common.link.rate_cap import RateCap
 from common.link.tap import untapped
 from common.link.transport import Link
 from common.messages.hand import HandArm
@@ -39,7 +40,7 @@ from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.runtime.site_memory import SiteMemory
 from remote_site.runtime.state_pace import StatePace
 from remote_site.safety.collision import CollisionModel
-from remote_site.session.lease import LeaseServer
+from remote_site.session.lease import Lease, LeaseServer
 from remote_site.session.requests import SessionRequest
 from remote_site.session.samples import NamedSample, as_of_now
 from remote_site.session.state_machine import Answer
@@ -54,6 +55,8 @@ ACTIVATION_POLL_S = 0.02
 TICKS_PER_STATE = 5
 LEASE_BITS = 31
 MAINTENANCE_NAME = "maintenance"
+UNHELD_HZ = 3 * HAND.rate_hz  # samples taken of an operator without the lease; they are only counted, and recorded
+TOO_MANY = MessageError("too_many", f"of an operator without the lease {UNHELD_HZ:g} hand samples a second are taken")
 
 Waiting = tuple[SessionRequest, Callable[[Answer], None]]
 
@@ -127,7 +130,9 @@ class Inbox:
         read_clocks: Callable[[], HostTime] = host_time,
     ) -> None:
         self._read_clocks = read_clocks
-        self._hands = [link.latest(HAND, cell, operator=operator) for operator in operators]
+        self._hands = [
+            (link.latest(HAND, cell, operator=operator), RateCap(UNHELD_HZ, HAND.depth)) for operator in operators
+        ]
         refused = refusals.note
         self._stops = [link.answer(STOP, cell, refused, operator=operator) for operator in operators]
         self._stops.append(link.answer(MAINTENANCE_STOP, cell, refused))
@@ -135,10 +140,18 @@ class Inbox:
         self._others.append(link.serve(MAINTENANCE, cell, refused))
         self.refusals = refusals
 
-    def samples(self) -> list[NamedSample]:
-        """The hand samples that have arrived, each operator's oldest first."""
-        ahead_ns = self._read_clocks().ahead_ns
-        return [sample for hand in self._hands for sample in self._taken(hand, ahead_ns)]
+    def samples(self, lease: Lease | None, now_ns: int) -> list[NamedSample]:
+        """The hand samples that have arrived, each operator's oldest first; not more than UNHELD_HZ without the lease.
+
+        So nobody else can make the holder's cycles, and a recording of them, large.
+        """
+        ahead_ns, holder = self._read_clocks().ahead_ns, lease.holder.name if lease is not None else None
+        came = ((named, cap) for hand, cap in self._hands for named in self._taken(hand))
+        return [
+            NamedSample(operator, as_of_now(sample, ahead_ns))
+            for (operator, sample), cap in came
+            if operator == holder or self._admits(cap, now_ns)
+        ]
 
     def requests(self, now_ns: int) -> list[Waiting]:
         """At most one stop and one other request of each operator and of maintenance, with what answers each.
@@ -152,7 +165,14 @@ class Inbox:
             *(_waiting(asked.action, operator, asked.id, asked.seen_ns, reply) for operator, asked, reply in others),
         ]
 
-    def _taken(self, hand: Latest[HandArm], ahead_ns: int) -> Iterator[NamedSample]:
+    def _admits(self, cap: RateCap, now_ns: int) -> bool:
+        if cap.pause_ns(now_ns):
+            self.refusals.note(TOO_MANY)
+            return False
+        cap.passed(now_ns)
+        return True
+
+    def _taken(self, hand: Latest[HandArm]) -> Iterator[tuple[str, HandArm]]:
         for _ in range(HAND.depth):
             try:
                 named = hand.take_named()
@@ -161,8 +181,7 @@ class Inbox:
                 continue
             if named is None:
                 return
-            operator, sample = named
-            yield NamedSample(operator, as_of_now(sample, ahead_ns))
+            yield named
 
 
 class ControlLoop:
@@ -194,7 +213,8 @@ class ControlLoop:
         """One control tick; no reply delays a command."""
         driven, waiting = self._driven, self._inbox.requests(now_ns)
         requests = [request for request, _ in waiting]
-        lease, samples = self._leases.status(now_ns), self._inbox.samples()
+        lease = self._leases.status(now_ns)
+        samples = self._inbox.samples(lease.lease, now_ns)
         markers = self._assist.take_markers() if self._assist is not None else ()
         snapshot = self._snapshot = driven.cycle(now_ns, lease, samples, requests, markers, site_ready=self._site.ready)
         for (_, reply), answer in zip(waiting, snapshot.answers, strict=True):

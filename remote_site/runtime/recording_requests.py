@@ -7,6 +7,7 @@ from common.link.channels import RECORD
 from common.link.transport import Link
 from common.messages.recording import RecordingState
 from common.messages.requests import RecordAction, RecordRequest, Reply
+from common.recording.episodes import MOST_EPISODES
 from remote_site.reasons import Code, Reason, reason
 from remote_site.recording.control_tap import ControlTap
 from remote_site.recording.records import RecordOrder
@@ -70,6 +71,12 @@ def refusal_of(
         return reason(Code.NO_RECORDER)
     if action in WHOLE_RECORDING and not recorder.on_request:
         return reason(Code.RECORD_FIXED)
-    if action not in WHOLE_RECORDING and not recorder.writing:
+    return _episode_refusal(action, recorder) if action not in WHOLE_RECORDING else None
+
+
+def _episode_refusal(action: RecordAction, recorder: RecordingState) -> Reason | None:
+    if not recorder.writing:
         return reason(Code.NOT_RECORDING)
+    if action is RecordAction.BEGIN and recorder.episode >= MOST_EPISODES:
+        return reason(Code.TOO_MANY_EPISODES, most=MOST_EPISODES)
     return None

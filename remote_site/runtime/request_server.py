@@ -8,7 +8,7 @@ import msgspec
 
 from common.clock import Clock
 from common.errors import MessageError, ModelError
-from common.link.channels import CLOCK, DESCRIBE, LEASE, OWN_CLOCK, OWN_DESCRIBE, TROUBLE
+from common.link.channels import CLOCK, DESCRIBE, LEASE, OWN_CLOCK, OWN_DESCRIBE
 from common.link.transport import Link
 from common.messages.hand import Locks
 from common.messages.requests import (
@@ -21,25 +21,22 @@ from common.messages.requests import (
     LeaseReply,
     LeaseRequest,
     MappingDescription,
-    TroubleNoted,
 )
 from common.messages.robot import Asker, Pose
 from common.messages.shapes import GripperDescription, ShapesDescription
-from common.process.link_log import TroubleLog
 from common.steady_time import host_time
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
 from remote_site.runtime.probe_server import ProbeServer
+from remote_site.runtime.trouble_reports import TroubleReports
 from remote_site.safety.collision_geometry import read_shapes
 from remote_site.safety.described_shapes import describe_capsules, describe_fixtures
 from remote_site.session.engagement_intent import INPUTS
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.calibration import calibration_of
-
-REPORTED_EVENT = "an operator's site reports trouble of the link"
 
 
 class RequestServer:
@@ -72,8 +69,7 @@ class RequestServer:
             *(link.answer(OWN_DESCRIBE, cell, refused, operator=operator) for operator in operators),
         ]
         self._describe_turns = cycle(describe_questions)
-        self._troubles = [link.answer(TROUBLE, cell, refused, operator=operator) for operator in operators]
-        self._trouble_log = TroubleLog(REPORTED_EVENT)
+        self._troubles = TroubleReports(link, cell, operators, refused)
         self._probes = ProbeServer(link, cell, operators, clock, refused)
         self._lease_requests = [link.serve(LEASE, cell, refused, operator=operator) for operator in operators]
 
@@ -89,10 +85,7 @@ class RequestServer:
         for server in self._lease_requests:
             if (asked := server.take(now_ns)) is not None:
                 asked.reply(answer_lease(self._leases, asked.question, asked.operator, now_ns))
-        for troubles in self._troubles:
-            if (told := troubles.take()) is not None:
-                self._trouble_log.note("reported", told.question.reason, now_ns, operator=told.operator)
-                told.reply(TroubleNoted())
+        self._troubles.poll(now_ns)
         self._probes.poll(engaged=engaged)
 
     def _time(self, received_ns: int) -> ClockAnswer:

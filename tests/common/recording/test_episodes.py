@@ -3,7 +3,8 @@
 from common.messages.recording import EpisodeOutcome
 from common.messages.requests import RecordAction
 from common.recording.config import EpisodeBounds
-from common.recording.episodes import EpisodeEvent, Episodes
+from common.recording.episodes import MOST_EPISODES, EpisodeEvent, Episodes
+from common.recording.recorded_episodes import episodes_of
 
 UNKNOWN, SUCCESS, FAILURE = EpisodeOutcome
 NOTHING = "", UNKNOWN, ""
@@ -34,6 +35,18 @@ def test_an_episode_begun_by_request_outlasts_no_engagement_but_waits_for_none()
     episodes.act(RecordAction.BEGIN, "anna", 1, *NOTHING)
     assert episodes.follow(engaged=True, t_ns=2) == []
     assert told(episodes.follow(engaged=False, t_ns=3)) == [("end", 1, "engagement")]
+
+
+def test_no_recording_gets_more_episodes_than_a_reader_takes() -> None:
+    asked, followed = Episodes(EpisodeBounds.REQUESTS), Episodes(EpisodeBounds.ENGAGEMENT)
+    events: list[EpisodeEvent] = []
+    for t_ns in range(2 * MOST_EPISODES + 4):
+        events += asked.act(RecordAction.BEGIN, "anna", t_ns, *NOTHING)
+        followed.follow(engaged=t_ns % 2 == 0, t_ns=t_ns)
+    assert len(episodes_of(events)) == MOST_EPISODES
+    assert asked.is_open
+    assert (followed.number, followed.is_open) == (MOST_EPISODES, False)
+    assert told(asked.act(RecordAction.END, "anna", 10**6, *NOTHING)) == [("end", MOST_EPISODES, "anna")]
 
 
 def test_a_label_is_of_the_last_episode_and_only_a_change_is_an_event() -> None:

@@ -132,6 +132,18 @@ def test_what_passed_is_kept_byte_for_byte_and_shown(tmp_path: Path, heard: Scri
     assert len(shown["/hand/anna"].data) > 0
 
 
+def test_samples_and_views_of_any_time_leave_a_recording_that_can_be_read(
+    tmp_path: Path, heard: Script, recorder: OperatorRecorder
+) -> None:
+    for time_ns in (2**63 - 1, 2**61, 0):
+        hand = msgspec.structs.replace(golden.HAND, capture_ns=time_ns, sent_ns=time_ns)
+        heard.hear(HAND_KEY, 3.1, encode(hand))
+        heard.hear(VIEW_KEY, 3.3, encode(msgspec.structs.replace(FRAME, capture_ns=time_ns)))
+    recorder.step(3 * 10**9)
+    recorder.end(4 * 10**9)
+    assert len(recorded(tmp_path, "/hand/anna", "/operator/left", HAND_KEY, VIEW_KEY)) == 12
+
+
 def test_an_engagement_is_an_episode(tmp_path: Path, heard: Script, recorder: OperatorRecorder) -> None:
     for t_s, session in enumerate([SessionState.DISENGAGED, SessionState.ENGAGED, SessionState.HOLDING], 1):
         heard.hear(STATE_KEY, t_s, state(session))

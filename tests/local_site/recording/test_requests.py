@@ -4,7 +4,7 @@ import pytest
 
 from common.messages.requests import RecordAction, RecordRequest
 from local_site.recording.requests import answer
-from tests.common.recording.recorder_states import ASKED, FIXED, IDLE
+from tests.common.recording.recorder_states import ASKED, FIXED, FULL, IDLE
 
 
 @pytest.mark.parametrize(
@@ -20,6 +20,9 @@ from tests.common.recording.recorder_states import ASKED, FIXED, IDLE
         (RecordAction.BEGIN, FIXED, True, "record_asked"),
         (RecordAction.LABEL, FIXED, False, "no_lease"),
         (RecordAction.LABEL, IDLE, True, "not_recording"),
+        (RecordAction.BEGIN, FULL, True, "too_many_episodes"),
+        (RecordAction.END, FULL, True, "record_asked"),
+        (RecordAction.STOP, FULL, True, "record_asked"),
     ],
 )
 def test_the_leases_holder_may_ask_for_what_can_be_done(action, state, holds_lease, code):

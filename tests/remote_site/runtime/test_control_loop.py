@@ -64,7 +64,7 @@ class Requests:
         self._waiting = [None, *(SessionRequest(action, operator, maintenance) for action in actions)]
         self.answers, self.refusals, self.halts = [], NoReport(), Halts()
 
-    def samples(self):
+    def samples(self, _lease, _now_ns):
         """No hand sample."""
         return []
 

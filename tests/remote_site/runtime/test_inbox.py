@@ -9,14 +9,15 @@ import pytest
 from common.link.channels import ANY, ENGAGEMENT, HAND, MAINTENANCE, MAINTENANCE_STOP, STOP
 from common.link.transport import PENDING_REQUESTS, Link, open_link
 from common.messages.codec import encode
-from common.messages.hand import ClockSync
+from common.messages.hand import ClockSync, HandArm
 from common.messages.requests import EngagementAction, EngagementRequest, StopRequest
 from common.process.log import RefusalLog
 from common.steady_time import HostTime
-from remote_site.runtime.control import MAINTENANCE_NAME, Inbox
+from remote_site.runtime.control import MAINTENANCE_NAME, UNHELD_HZ, Inbox
+from remote_site.session.lease import Holder, Lease
 from remote_site.session.requests import SessionRequest
 from tests.common.link.secured_cell import free_port, until
-from tests.remote_site.remote_loop import hand
+from tests.remote_site.remote_loop import TICK_NS, hand
 
 CELL = "lab"
 APART_S = 0.003  # requests that follow each other immediately are dropped on arrival
@@ -81,10 +82,56 @@ def test_the_offset_in_a_sample_is_led_on_by_what_this_clock_was_slewed_since(li
 
     def arrives() -> bool:
         hands.put(hand(1, 1, clock=clock))
-        came.extend(inbox.samples())
+        came.extend(inbox.samples(None, time.monotonic_ns()))
         return bool(came)
 
     until(arrives)
     now = came[0].sample.clock
     assert now is not None
     assert (now.remote_minus_local_ns, now.measured_ns) == (70 - 4_000, 6_000)
+
+
+class Sender:
+    """Stands for the link of a site to which one operator's hand samples come, so many each tick."""
+
+    def __init__(self, each_tick: int) -> None:
+        self.each_tick, self._left = each_tick, 0
+
+    def tick(self) -> None:
+        self._left = self.each_tick
+
+    def latest(self, *_given: object, operator: str) -> "Sender":
+        self._operator = operator
+        return self
+
+    def take_named(self) -> tuple[str, HandArm] | None:
+        self._left -= 1
+        return (self._operator, hand(1, 1)) if self._left >= 0 else None
+
+    def serve(self, *_given: object, **_named: object) -> None:
+        """No request comes."""
+
+    answer = serve
+
+
+@pytest.mark.parametrize(
+    ("holder", "each_tick", "every", "fewest", "most"),
+    [
+        ("ben", 16, 1, 16 * 2500, 16 * 2500),
+        ("anna", 16, 1, UNHELD_HZ * 10, UNHELD_HZ * 10 + HAND.depth),
+        ("", 16, 1, UNHELD_HZ * 10, UNHELD_HZ * 10 + HAND.depth),
+        ("anna", 1, 4, 625, 625),  # as many as cameras take
+    ],
+)
+def test_of_an_operator_without_the_lease_no_flood_of_samples_is_taken(
+    holder: str, each_tick: int, every: int, fewest: int, most: int
+) -> None:
+    sender, refusals, taken = Sender(each_tick), RefusalLog(), 0
+    inbox = Inbox(sender, CELL, refusals, ("ben",))  # type: ignore[arg-type]  # a stand-in
+    lease = Lease(41, Holder(7, holder), 10**12) if holder else None
+    for tick in range(2500):
+        if tick % every == 0:
+            sender.tick()
+        taken += len(inbox.samples(lease, tick * TICK_NS))
+    assert fewest <= taken <= most
+    assert refusals.counts["too_many"] == each_tick * 2500 // every - taken
