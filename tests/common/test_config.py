@@ -131,6 +131,26 @@ def test_what_people_do_wrong_in_toml_is_told_with_its_line_and_its_cure(
         load_config(Outer, write(tmp_path, content))
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("a = " + "[" * 100_000, "more than 32 tables or lists within one another"),
+        (".".join(["a"] * 5_000) + " = 1", "more than 32 tables or lists within one another"),
+        ("a = " + "9" * 5_000, "not valid TOML: .*integer"),
+    ],
+)
+def test_toml_that_is_too_deep_or_too_long_for_the_parser_is_refused(text: str, told: str, tmp_path: Path) -> None:
+    path = write(tmp_path, text)
+    with pytest.raises(ConfigError, match=told):
+        load_config(Outer, path)
+
+
+@pytest.mark.parametrize("value", ["[" * 100_000, "9" * 5_000])
+def test_a_setting_that_is_too_deep_or_too_long_for_the_parser_is_refused(value: str) -> None:
+    with pytest.raises(ConfigError, match="count"):
+        load_config(Outer, None, [f"count={value}"])
+
+
 def test_a_value_in_place_of_a_table_is_told(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"must be a table: \[inner\]"):
         load_config(Outer, write(tmp_path, "inner = 3\n"))
