@@ -53,7 +53,7 @@ def export_lerobot(
     identities = tuple(session.facts.identity for session in sessions)
     job = ExportJob(identities, tuple(shape.views), settings.fps, settings.task)
     with Staging(settings.out, job) as staging:
-        with staging.emptied_by_failure():
+        with staging.removed_by_failure():
             plan = [(session, episode) for session in sessions for episode in session.facts.episodes]
             left = [index for index in range(len(plan)) if staging.staged(index) is None]
             frames = _Frames([plan[index][1] for index in left], settings.fps, should_stop, show)

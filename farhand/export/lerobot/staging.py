@@ -63,6 +63,7 @@ class Staging:
         if self._out.exists() and (not self._out.is_dir() or any(self._out.iterdir())):
             raise ExportError(f"--out {self._out} exists, and is never written over: give another, or remove it first")
         self.folder.mkdir(parents=True, exist_ok=True)
+        self._refuse_others()
         self._lock = os.open(self.folder / LOCK, os.O_RDWR | os.O_CREAT, 0o600)
         try:
             self._take()
@@ -108,7 +109,7 @@ class Staging:
         return folder
 
     @contextmanager
-    def emptied_by_failure(self) -> Iterator[None]:
+    def removed_by_failure(self) -> Iterator[None]:
         """Nothing is left behind by what fails for good; what only a person or the disk ended can go on."""
         try:
             yield
@@ -131,6 +132,12 @@ class Staging:
     def _episode(self, index: int) -> Path:
         return self.folder / f"{index:06d}"
 
+    def _refuse_others(self) -> None:
+        """ExportError for a folder of a person's own, in which no export has begun."""
+        names = {path.name for path in self.folder.iterdir()}
+        if JOB not in names and (others := sorted(names - {LOCK, f"{JOB}.part"})):
+            raise ExportError(f"{self.folder} has {others[0]} in it, which no export made; give another --out")
+
     def _take(self) -> None:
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -140,8 +147,6 @@ class Staging:
             )
         path = self.folder / JOB
         if not path.exists():
-            if others := sorted(one.name for one in self.folder.iterdir() if one.name != LOCK):
-                raise ExportError(f"{self.folder} has {others[0]} in it, which no export made; give another --out")
             write_atomically(path, msgspec.json.encode(self._job))
             return
         if (kept := _job(path)) != self._job:

@@ -168,4 +168,4 @@ def test_a_folder_that_no_export_made_is_not_used_and_stays(tmp_path: Path) -> N
     mine.write_text("mine")
     with pytest.raises(ExportError, match="which no export made; give another --out"):
         to_lerobot(MadeSession(), tmp_path / "out", 30)
-    assert mine.read_text() == "mine"
+    assert [path.read_text() for path in mine.parent.iterdir()] == ["mine"]
