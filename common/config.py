@@ -22,6 +22,7 @@ KeyPath = tuple[str, ...]
 TABLE_LINE = re.compile(r"\s*\[+\s*([^\]]+?)\s*\]+")
 MAX_BYTES = 1_000_000  # a device such as /dev/zero never ends
 MOST_DEPTH = 32  # tables and lists within one another
+DEEP_KEY = re.compile(rf"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MOST_DEPTH}}}""")
 TOML_PLACE = re.compile(r" \(at line (\d+), column \d+\)")
 TOML_CURES = {
     "Cannot overwrite a value": "; this key stands twice, remove one",
@@ -68,6 +69,8 @@ def read_tables(path: Path | None) -> dict[str, Any]:
     if path is None:
         return {}
     text = _read(path)
+    if DEEP_KEY.search(text):  # the parser keeps each beginning of a key: a file of 200 kB takes 40 GB
+        raise ConfigError(_too_deep(path))
     try:
         table = tomllib.loads(text)
     except RecursionError as error:

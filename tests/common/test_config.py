@@ -1,5 +1,6 @@
 """Configuration: all mistakes of a file together, each with its line and cure."""
 
+import tracemalloc
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -135,7 +136,8 @@ def test_what_people_do_wrong_in_toml_is_told_with_its_line_and_its_cure(
     ("text", "told"),
     [
         ("a = " + "[" * 100_000, "more than 32 tables or lists within one another"),
-        (".".join(["a"] * 5_000) + " = 1", "more than 32 tables or lists within one another"),
+        *((".".join([key] * 50) + " = 1", "more than 32 tables or lists within one another") for key in ("a", "'a'")),
+        ("a = {" + "b = {" * 40 + "}" * 41, "more than 32 tables or lists within one another"),
         ("a = " + "9" * 5_000, "not valid TOML: .*integer"),
     ],
 )
@@ -143,6 +145,19 @@ def test_toml_that_is_too_deep_or_too_long_for_the_parser_is_refused(text: str, 
     path = write(tmp_path, text)
     with pytest.raises(ConfigError, match=told):
         load_config(Outer, path)
+
+
+@pytest.mark.parametrize("key", ["a.", '"a" . '])
+def test_a_key_of_thousands_of_parts_takes_no_memory(key: str, tmp_path: Path) -> None:
+    path = write(tmp_path, key * 3_000 + "a = 1")
+    tracemalloc.start()
+    try:
+        with pytest.raises(ConfigError, match="more than 32 tables"):
+            load_config(Outer, path)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 5e6
 
 
 @pytest.mark.parametrize("value", ["[" * 100_000, "9" * 5_000])
