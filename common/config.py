@@ -5,7 +5,7 @@ import difflib
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import UnionType
@@ -21,6 +21,8 @@ KeyPath = tuple[str, ...]
 
 TABLE_LINE = re.compile(r"\s*\[+\s*([^\]]+?)\s*\]+")
 MAX_BYTES = 1_000_000  # a device such as /dev/zero never ends
+MOST_DEPTH = 32  # tables and lists within one another
+DEEP_KEY = re.compile(rf"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MOST_DEPTH}}}""")
 TOML_PLACE = re.compile(r" \(at line (\d+), column \d+\)")
 TOML_CURES = {
     "Cannot overwrite a value": "; this key stands twice, remove one",
@@ -66,10 +68,34 @@ def read_tables(path: Path | None) -> dict[str, Any]:
     """The tables of a TOML file, unchecked, none without a file; ConfigError when it cannot be read."""
     if path is None:
         return {}
+    text = _read(path)
+    if DEEP_KEY.search(text):  # the parser keeps each beginning of a key: a file of 200 kB takes 40 GB
+        raise ConfigError(_too_deep(path))
     try:
-        return tomllib.loads(_read(path))
-    except tomllib.TOMLDecodeError as error:
+        table = tomllib.loads(text)
+    except RecursionError as error:
+        raise ConfigError(_too_deep(path)) from error
+    except ValueError as error:  # of the parser, and of a whole number with thousands of digits
         raise ConfigError(_not_toml(path, str(error))) from error
+    if _is_deep(table):
+        raise ConfigError(_too_deep(path))
+    return table
+
+
+def _is_deep(table: dict[str, Any]) -> bool:
+    """Whether tables and lists are within one another more often than any configuration has them."""
+    level: list[Any] = [table]
+    for _ in range(MOST_DEPTH):
+        level = [own for one in level for own in _within(one)]
+    return bool(level)
+
+
+def _within(value: Any) -> Iterable[Any]:
+    return value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+
+
+def _too_deep(path: Path) -> str:
+    return f"{path}: more than {MOST_DEPTH} tables or lists within one another; give a configuration of Farhand"
 
 
 def _take_from_beside(struct: type[msgspec.Struct], table: dict[str, Any], folder: Path) -> None:
@@ -217,7 +243,7 @@ def apply_setting(table: dict[str, Any], setting: str) -> KeyPath:
 def _parse_value(raw: str) -> Any:
     try:
         return tomllib.loads(f"value = {raw}")["value"]
-    except tomllib.TOMLDecodeError:
+    except (ValueError, RecursionError):
         return raw
 
 

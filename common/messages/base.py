@@ -17,7 +17,8 @@ Count = Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)]
 Difference = Annotated[int, msgspec.Meta(ge=-(2**63), le=2**63 - 1)]
 Variance = Annotated[float, msgspec.Meta(ge=0)]
 Covariance = Annotated[tuple[Variance, float, float, Variance, float, Variance], IN_SIX_BYTES]
-Joints = Annotated[tuple[float, ...], msgspec.Meta(max_length=16), SINGLE]
+MOST_JOINTS = 16
+Joints = Annotated[tuple[float, ...], msgspec.Meta(max_length=MOST_JOINTS), SINGLE]
 
 
 class Message(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -5,6 +5,7 @@ from enum import StrEnum
 
 import msgspec
 
+from common.messages.base import Count, Difference, Text
 from common.messages.recording import EpisodeOutcome
 from common.messages.requests import RecordAction
 from common.recording.config import EpisodeBounds
@@ -28,10 +29,10 @@ class EpisodeEvent(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     event: EpisodeEventKind
-    episode: int
-    t_ns: int
+    episode: Count
+    t_ns: Difference
     by: str
-    task: str
+    task: Text
     outcome: EpisodeOutcome
     note: str
 

@@ -19,6 +19,15 @@ from common.recording.summary import FileSummary, channels_of, read_summary
 
 CLOCK_TABLE = "farhand.clock"
 EPOCH_KEY = "epoch_minus_clock_ns"
+UNREADABLE = (
+    MessageError,
+    DecodeError,
+    ElementTree.ParseError,
+    LookupError,
+    ValueError,
+    OverflowError,
+    RecursionError,  # of JSON within JSON within JSON
+)
 
 
 class KeptMessage(NamedTuple):
@@ -156,7 +165,7 @@ def as_recorded(path: Path) -> Iterator[None]:
     """RecordingError for what a recorder wrote into a file and this release cannot decode."""
     try:
         yield
-    except (MessageError, DecodeError, ElementTree.ParseError, LookupError, ValueError, OverflowError) as error:
+    except UNREADABLE as error:
         cure = "use the release that recorded it, or get it again from there"
         raise RecordingError(f"{path}: what is in it cannot be read ({_words(error)}); {cure}") from error
 

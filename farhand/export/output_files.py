@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from common.errors import ExportError, InterruptionError
 from farhand.export.session import RecordedSession
@@ -21,12 +22,10 @@ def written_each(
     if len(set(paths)) < len(paths):
         raise ExportError("two sessions have the same name; export them into folders of their own")
     for session, path in zip(sessions, paths, strict=True):
-        part = path.with_name(f"{path.stem}.part{suffix}")
-        try:
+        with TemporaryDirectory(dir=out, prefix=".export-") as private:
+            part = Path(private) / path.name
             write(session, part)
             part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
     return paths
 
 

@@ -10,15 +10,19 @@ from foxglove_schemas_protobuf.JointStates_pb2 import JointStates
 from foxglove_schemas_protobuf.Log_pb2 import Log
 from foxglove_schemas_protobuf.PoseInFrame_pb2 import PoseInFrame
 
-from common.messages.robot import GripperCommand, GripperState
+from common.messages.robot import GripperCommand, GripperState, SessionState
 from common.recording.hand_transcript import LOG
 from common.recording.reader import KeptMessage
+from common.recording.records import MOST_TIME_NS
+from common.recording.summary import LONGEST_NS
 from farhand.export.session import SentActions, SessionSignals, SessionStates, Signal, Times
 from remote_site.recording.topics import ACTION, GRIPPER, MEASURED, TOOL_MEASURED, WRITTEN, SentAction
 
 SIGNAL_TOPICS = [topic.name for topic in (MEASURED, WRITTEN, TOOL_MEASURED, GRIPPER, ACTION, LOG)]
 OF_SESSION = "session"  # whose lines in the log say its state
+STATES = frozenset(SessionState)
 MM_PER_M = 1000
+LARGEST = 1e6  # rad, m; what is measured is far smaller, and a number in single precision
 
 
 @dataclass
@@ -29,7 +33,9 @@ class _Kept:
     values: list[list[float]] = field(default_factory=list)
 
     def add(self, t_ns: int, values: list[float]) -> None:
-        """Values of this time; those of one time are kept once."""
+        """Values of this time; those of one time are kept once. ValueError for what no arm measures."""
+        if not all(abs(value) <= LARGEST for value in values):
+            raise ValueError(f"a joint, pose or opening of {values}, which no arm has")
         if not self.t_ns or t_ns > self.t_ns[-1]:
             self.t_ns.append(t_ns)
             self.values.append(values)
@@ -55,7 +61,7 @@ def signals_of(messages: Iterable[KeptMessage], joint_names: Sequence[str]) -> S
             case GRIPPER.name:
                 gripper.add(t_ns, [msgspec.json.decode(data, type=GripperState).opening])
             case ACTION.name:
-                actions.append(msgspec.json.decode(data, type=SentAction))
+                actions.append(_action(t_ns, data))
             case LOG.name:
                 states += _state(t_ns, Log.FromString(data))
     width = len(joint_names)
@@ -94,6 +100,15 @@ def _times(t_ns: Iterator[int]) -> Times:
     return np.fromiter(t_ns, np.int64)
 
 
+def _action(t_ns: int, data: bytes) -> SentAction:
+    action = msgspec.json.decode(data, type=SentAction)
+    if (cause := action.cause) is not None and (
+        abs(cause.born_ns - t_ns) > LONGEST_NS or abs(cause.capture_ns) >= MOST_TIME_NS
+    ):
+        raise ValueError(f"an action at {t_ns} ns by a hand at {cause.born_ns} ns, by its own clock {cause.capture_ns}")
+    return action
+
+
 def _positions(data: bytes, joint_names: Sequence[str]) -> list[float]:
     by_name: dict[str, float] = {joint.name: joint.position for joint in JointStates.FromString(data).joints}
     return [by_name[name] for name in joint_names]
@@ -107,4 +122,7 @@ def _pose(data: bytes) -> list[float]:
 
 def _state(t_ns: int, line: Any) -> list[tuple[int, str]]:
     """The session's state, from a line of its log: 'engaged (code): sentence'."""
-    return [(t_ns, line.message.partition(" ")[0])] if line.name == OF_SESSION else []
+    if line.name != OF_SESSION:
+        return []
+    word = line.message.partition(" ")[0]
+    return [(t_ns, word)] if word in STATES else []

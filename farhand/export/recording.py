@@ -10,6 +10,7 @@ import simplejpeg
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 
 from common.errors import RecordingError
+from common.messages.base import MOST_JOINTS
 from common.messages.recording import EpisodeOutcome
 from common.recording.folder import NAME
 from common.recording.reader import KeptMessage, RecordingReader, as_recorded
@@ -18,6 +19,7 @@ from common.text import name_mistake
 from farhand.export.recorded_signals import SIGNAL_TOPICS, signals_of
 from farhand.export.session import (
     MOST_PIXELS,
+    MOST_VIEWS,
     RecordedSession,
     SessionEpisode,
     SessionFacts,
@@ -52,12 +54,12 @@ def parts_by_session(paths: Sequence[Path]) -> dict[Path, list[Path]]:
 
 
 def within(episodes: Iterable[RecordedEpisode], begin_ns: int, end_ns: int) -> tuple[SessionEpisode, ...]:
-    """The episodes by their beginnings; one that begins or ends in another file does so with this one's messages."""
+    """The episodes by their beginnings; what is before or behind this file's messages is cut off."""
     found = [
         SessionEpisode(
             episode.number,
-            begin_ns if episode.begin_ns is None else episode.begin_ns,
-            end_ns if episode.end_ns is None else episode.end_ns,
+            begin_ns if episode.begin_ns is None else min(max(episode.begin_ns, begin_ns), end_ns),
+            end_ns if episode.end_ns is None else min(max(episode.end_ns, begin_ns), end_ns),
             episode.task,
             SUCCESS[episode.outcome],
             episode.note,
@@ -75,7 +77,7 @@ class McapSession:
         first = readers[0]
         try:
             cell = first.table(CELL_TABLE)
-            robot, joints = cell["robot"], tuple(cell["joints"].split(","))
+            robot, joints = cell["robot"], _joints(cell["joints"])
         except KeyError as error:
             cure = "leave it out, and export what 'farhand record' keeps at the remote site"
             raise RecordingError(f"{paths[0]} is no recording of a cell: {cure}") from error
@@ -129,10 +131,19 @@ class McapSession:
         return width, height
 
 
+def _joints(words: str) -> tuple[str, ...]:
+    names = tuple(words.split(","))
+    if len(names) > MOST_JOINTS or len(set(names)) < len(names):
+        raise RecordingError(f"{len(names)} joints: give a recording of an arm with at most {MOST_JOINTS}, each once")
+    return names
+
+
 def _views(topics: set[str]) -> list[str]:
     """The cameras whose pictures are kept, by name."""
     prefix = image_topic("").name
     views = sorted(topic.removeprefix(prefix) for topic in topics if topic.count("/") == 2 and topic.startswith(prefix))
+    if len(views) > MOST_VIEWS:
+        raise RecordingError(f"{len(views)} views: give a recording of a site, which has at most {MOST_VIEWS} cameras")
     for view in views:
         if wrong := name_mistake(view):
             raise RecordingError(f"the name of a camera {wrong}, in the site's configuration, and record again")

@@ -6,8 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from common.clock import NS_PER_S
+from common.errors import ExportError
 from common.geometry import Array
-from farhand.export.session import SentActions, SessionSignals, Times, ViewPicture, newest_index
+from farhand.export.session import SentActions, SessionFacts, SessionSignals, Times, ViewPicture, newest_index
+
+MOST_INSTANTS = 3_000_000  # of a session: 16 hours at 50 a second, a month at one
+INSTANTS_AT_ONCE = 10_000  # whose rows are in memory
 
 
 class ViewsAt(NamedTuple):
@@ -39,6 +43,24 @@ def instants(begin_ns: int, end_ns: int, fps: float) -> Times:
     """The instants of this rate from the beginning on, and before the end."""
     count = max(int(np.ceil((end_ns - begin_ns) * fps / NS_PER_S)), 0)
     return begin_ns + np.round(np.arange(count) * (NS_PER_S / fps)).astype(np.int64)
+
+
+def check_length(facts: SessionFacts, length_ns: int, fps: int) -> None:
+    """ExportError if so much of a session comes to more instants than anybody exports; a message can be of any time."""
+    seconds = max(length_ns // NS_PER_S, 1)
+    if seconds * fps > MOST_INSTANTS:
+        slower = MOST_INSTANTS // seconds
+        cure = f"give --fps {slower} or less" if slower else "leave it out"
+        raise ExportError(
+            f"{facts.name}: {seconds} s at {fps} a second are {seconds * fps} rows or frames, and {MOST_INSTANTS} is "
+            f"the most; {cure}, or get it again from where it was recorded if it is not that long"
+        )
+
+
+def blocks(at: Times) -> Iterator[Times]:
+    """Instants as blocks, so that the rows of one block at a time are in memory."""
+    for first in range(0, len(at), INSTANTS_AT_ONCE):
+        yield at[first : first + INSTANTS_AT_ONCE]
 
 
 def known_from(signals: SessionSignals) -> int | None:

@@ -1,5 +1,6 @@
 """What an exporter needs to know of a recorded session, whatever kept it; pure."""
 
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
@@ -10,7 +11,8 @@ from numpy.typing import NDArray
 from common.geometry import Array
 
 Times = NDArray[np.int64]
-MOST_PIXELS = 64_000_000  # of a picture; what claims more is not decoded
+MOST_PIXELS = 64_000_000  # of a picture, and of all views at an instant; what claims more is not decoded
+MOST_VIEWS = 16  # as a site can have
 
 
 class Signal(NamedTuple):
@@ -93,6 +95,7 @@ class SessionFacts:
     """What holds for a whole session: `utc_minus_clock_ns` turns its times into ns since 1970, UTC.
 
     `identity` differs where the session does; `views` are the sizes (width, height) of the pictures by view.
+    `episodes` are sorted by their beginnings.
     """
 
     name: str
@@ -125,8 +128,10 @@ class RecordedSession(Protocol):
 
 
 def episode_at(facts: SessionFacts, instant_ns: int) -> SessionEpisode | None:
-    """The episode under way at an instant, None between episodes."""
-    return next((one for one in facts.episodes if one.begin_ns <= instant_ns < one.end_ns), None)
+    """The episode begun last before an instant, if it is under way; None between episodes."""
+    begun = bisect_right(facts.episodes, instant_ns, key=lambda one: one.begin_ns)
+    newest = facts.episodes[begun - 1] if begun else None
+    return newest if newest is not None and instant_ns < newest.end_ns else None
 
 
 def newest_index(t_ns: Times, instants: Times) -> NDArray[np.intp]:

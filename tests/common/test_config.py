@@ -1,5 +1,6 @@
 """Configuration: all mistakes of a file together, each with its line and cure."""
 
+import tracemalloc
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -129,6 +130,40 @@ def test_what_people_do_wrong_in_toml_is_told_with_its_line_and_its_cure(
 ) -> None:
     with pytest.raises(ConfigError, match=told):
         load_config(Outer, write(tmp_path, content))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("a = " + "[" * 100_000, "more than 32 tables or lists within one another"),
+        *((".".join([key] * 50) + " = 1", "more than 32 tables or lists within one another") for key in ("a", "'a'")),
+        ("a = {" + "b = {" * 40 + "}" * 41, "more than 32 tables or lists within one another"),
+        ("a = " + "9" * 5_000, "not valid TOML: .*integer"),
+    ],
+)
+def test_toml_that_is_too_deep_or_too_long_for_the_parser_is_refused(text: str, told: str, tmp_path: Path) -> None:
+    path = write(tmp_path, text)
+    with pytest.raises(ConfigError, match=told):
+        load_config(Outer, path)
+
+
+@pytest.mark.parametrize("key", ["a.", '"a" . '])
+def test_a_key_of_thousands_of_parts_takes_no_memory(key: str, tmp_path: Path) -> None:
+    path = write(tmp_path, key * 3_000 + "a = 1")
+    tracemalloc.start()
+    try:
+        with pytest.raises(ConfigError, match="more than 32 tables"):
+            load_config(Outer, path)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 5e6
+
+
+@pytest.mark.parametrize("value", ["[" * 100_000, "9" * 5_000])
+def test_a_setting_that_is_too_deep_or_too_long_for_the_parser_is_refused(value: str) -> None:
+    with pytest.raises(ConfigError, match="count"):
+        load_config(Outer, None, [f"count={value}"])
 
 
 def test_a_value_in_place_of_a_table_is_told(tmp_path: Path) -> None:

@@ -1,6 +1,6 @@
 """`farhand export lerobot`: sessions checked to be of one kind, their episodes encoded, the dataset put together."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
 from typing import NamedTuple
@@ -11,10 +11,13 @@ from farhand.export.lerobot.assembly import Assembly, kept
 from farhand.export.lerobot.encoding import EpisodeEncoder
 from farhand.export.lerobot.features import DatasetShape, shape_of
 from farhand.export.lerobot.staging import ExportJob, Staging
-from farhand.export.session import RecordedSession, SessionEpisode
+from farhand.export.resampling import check_length
+from farhand.export.session import MOST_PIXELS, RecordedSession, SessionEpisode, SessionFacts
+from farhand.export.videos.h264 import check_size
 from farhand.terminal import ShowProgress
 
 UNNAMED = "not named"
+MOST_OVERLAP = 2  # times the session: an episode whose end was lost lasts to the session's end
 Planned = tuple[RecordedSession, SessionEpisode]
 
 
@@ -50,17 +53,18 @@ def export_lerobot(
     identities = tuple(session.facts.identity for session in sessions)
     job = ExportJob(identities, tuple(shape.views), settings.fps, settings.task)
     with Staging(settings.out, job) as staging:
-        plan = [(session, episode) for session in sessions for episode in session.facts.episodes]
-        left = [index for index in range(len(plan)) if staging.staged(index) is None]
-        frames = _Frames([plan[index][1] for index in left], settings.fps, should_stop, show)
-        _encode(plan, left, EpisodeEncoder(staging, shape, settings.task, frames.step))
-        staged = [one for index in range(len(plan)) if (one := staging.staged(index)) is not None]
-        episodes = kept(staged)
-        left_out = tuple(f"{one.session}, episode {one.number}: {one.left_out}" for one in staged if one.left_out)
-        if not episodes:
-            raise ExportError("\n".join(["no episode is left to export", *left_out]))
-        root = staging.assembled()
-        Assembly(root, staging, shape, episodes).write()
+        with staging.removed_by_failure():
+            plan = [(session, episode) for session in sessions for episode in session.facts.episodes]
+            left = [index for index in range(len(plan)) if staging.staged(index) is None]
+            frames = _Frames([plan[index][1] for index in left], settings.fps, should_stop, show)
+            _encode(plan, left, EpisodeEncoder(staging, shape, settings.task, frames.step))
+            staged = [one for index in range(len(plan)) if (one := staging.staged(index)) is not None]
+            episodes = kept(staged)
+            left_out = tuple(f"{one.session}, episode {one.number}: {one.left_out}" for one in staged if one.left_out)
+            if not episodes:
+                raise ExportError("\n".join(["no episode is left to export", *left_out]))
+            root = staging.assembled()
+            Assembly(root, staging, shape, episodes).write()
         staging.publish(root)
     return ExportSummary(len(episodes), episodes[-1].end, frames.count, left_out)
 
@@ -101,11 +105,31 @@ def common_shape(sessions: Sequence[RecordedSession], settings: ExportSettings) 
             if ours != first:
                 cure = "export it apart" if name != "views" else "export it apart, or name what they share with --view"
                 raise ExportError(f"{session.facts.name} has other {name} than {sessions[0].facts.name}; {cure}")
+    _check_pixels(shapes[0].views)
     return shapes[0]
+
+
+def _check_pixels(views: Mapping[str, tuple[int, int]]) -> None:
+    for view, size_px in views.items():
+        check_size(size_px, view)
+    if (pixels := sum(width * height for width, height in views.values())) > MOST_PIXELS:
+        raise ExportError(f"{pixels} pixels in all views, and {MOST_PIXELS} are the most; name fewer with --view")
+
+
+def _check_episodes(facts: SessionFacts, fps: int) -> None:
+    """ExportError for more frames than anybody exports, or episodes at one time, which are not a recorder's."""
+    whole_ns = sum(max(episode.end_ns - episode.begin_ns, 0) for episode in facts.episodes)
+    check_length(facts, whole_ns, fps)
+    if whole_ns > MOST_OVERLAP * (facts.end_ns - facts.begin_ns):
+        raise ExportError(
+            f"{facts.name}: its {len(facts.episodes)} episodes overlap, together {whole_ns // NS_PER_S} s; "
+            "get it again from where it was recorded, or use 'farhand export csv', which writes each instant once"
+        )
 
 
 def _shape(session: RecordedSession, settings: ExportSettings) -> DatasetShape:
     facts = session.facts
+    _check_episodes(facts, settings.fps)
     views = settings.views or tuple(facts.views)
     if unknown := [view for view in views if view not in facts.views]:
         raise ExportError(f"{facts.name} has no view {', '.join(unknown)}; it has {', '.join(facts.views) or 'none'}")

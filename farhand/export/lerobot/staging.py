@@ -3,7 +3,8 @@
 import fcntl
 import os
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -12,11 +13,11 @@ import msgspec
 import numpy as np
 
 from common.atomic_file import write_atomically
-from common.errors import ExportError
+from common.errors import ExportError, InterruptionError
 from farhand.export.lerobot.statistics import Histogram
 from farhand.export.videos.h264 import SUFFIX
 
-JOB, EPISODE, FRAMES = "job.json", "episode.json", "frames.parquet"
+LOCK, JOB, EPISODE, FRAMES = "lock", "job.json", "episode.json", "frames.parquet"
 
 
 class ExportJob(msgspec.Struct, frozen=True):
@@ -62,7 +63,8 @@ class Staging:
         if self._out.exists() and (not self._out.is_dir() or any(self._out.iterdir())):
             raise ExportError(f"--out {self._out} exists, and is never written over: give another, or remove it first")
         self.folder.mkdir(parents=True, exist_ok=True)
-        self._lock = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT, 0o600)
+        self._refuse_others()
+        self._lock = os.open(self.folder / LOCK, os.O_RDWR | os.O_CREAT, 0o600)
         try:
             self._take()
         except ExportError:
@@ -106,6 +108,17 @@ class Staging:
         folder.mkdir()
         return folder
 
+    @contextmanager
+    def removed_by_failure(self) -> Iterator[None]:
+        """Nothing is left behind by what fails for good; what only a person or the disk ended can go on."""
+        try:
+            yield
+        except (InterruptionError, OSError):
+            raise
+        except Exception:
+            shutil.rmtree(self.folder)
+            raise
+
     def publish(self, assembled: Path) -> None:
         """Give the dataset its name, and remove what it was made from."""
         try:
@@ -118,6 +131,12 @@ class Staging:
 
     def _episode(self, index: int) -> Path:
         return self.folder / f"{index:06d}"
+
+    def _refuse_others(self) -> None:
+        """ExportError for a folder of a person's own, in which no export has begun."""
+        names = {path.name for path in self.folder.iterdir()}
+        if JOB not in names and (others := sorted(names - {LOCK, f"{JOB}.part"})):
+            raise ExportError(f"{self.folder} has {others[0]} in it, which no export made; give another --out")
 
     def _take(self) -> None:
         try:

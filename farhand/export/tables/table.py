@@ -7,9 +7,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from common.clock import NS_PER_S
-from farhand.export.resampling import SessionRows, rows_at
+from farhand.export.resampling import SessionRows, blocks, rows_at
 from farhand.export.session import SessionFacts, SessionSignals, Times, episode_at
 
+CALCULATED = ("=", "+", "-", "@", "\t", "\r", "\n")  # what a spreadsheet takes for the beginning of a formula
 TOOL_HEAD = ("tool.x [m]", "tool.y [m]", "tool.z [m]", "tool.qx [1]", "tool.qy [1]", "tool.qz [1]", "tool.qw [1]")
 TIMES_HEAD = (
     "joints measured [ns UTC]",
@@ -26,18 +27,29 @@ def head(facts: SessionFacts) -> list[str]:
     sent = [f"{name} sent [rad]" for name in joints]
     gripper = ["gripper measured [m]", "gripper sent [m]"] * facts.has_gripper
     about = ["t [s]", "t [ns UTC]", "session", "episode", "task"]
-    return [*about, *measured, *sent, *gripper, *TOOL_HEAD, *TIMES_HEAD]
+    return [as_text(name) for name in (*about, *measured, *sent, *gripper, *TOOL_HEAD, *TIMES_HEAD)]
 
 
 def lines(facts: SessionFacts, signals: SessionSignals, at: Times) -> Iterator[str]:
     """The head, and a line for each instant; what is not known yet is empty."""
     yield _line(head(facts))
-    rows, states = rows_at(signals, at), signals.states.at(at)
-    for k, instant in enumerate(at.tolist()):
-        episode = episode_at(facts, instant)
-        about = [f"{(instant - facts.begin_ns) / NS_PER_S:.6f}", instant + facts.utc_minus_clock_ns, states[k]]
-        about += [episode.number, episode.task] if episode else ["", ""]
-        yield _line([*about, *_figures(rows, k), *_times(rows, k, facts.utc_minus_clock_ns)])
+    for block in blocks(at):
+        rows, states = rows_at(signals, block), signals.states.at(block)
+        for k, instant in enumerate(block.tolist()):
+            about = _about(facts, instant, states[k])
+            yield _line([*about, *_figures(rows, k), *_times(rows, k, facts.utc_minus_clock_ns)])
+
+
+def _about(facts: SessionFacts, instant_ns: int, state: str) -> list[object]:
+    episode = episode_at(facts, instant_ns)
+    since = f"{(instant_ns - facts.begin_ns) / NS_PER_S:.6f}"
+    about: list[object] = [since, instant_ns + facts.utc_minus_clock_ns, state]
+    return about + ([episode.number, as_text(episode.task)] if episode else ["", ""])
+
+
+def as_text(words: str) -> str:
+    """Words that a spreadsheet shows and does not calculate, whatever they begin with."""
+    return f"'{words}" if words.startswith(CALCULATED) else words
 
 
 def _figures(rows: SessionRows, k: int) -> list[str]:

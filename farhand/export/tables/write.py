@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from farhand.export.output_files import ShouldStop, go_on, written_each
-from farhand.export.resampling import instants
+from farhand.export.resampling import check_length, instants
 from farhand.export.session import RecordedSession
 from farhand.export.tables.table import lines
 
@@ -12,7 +12,10 @@ SUFFIX = ".csv"
 
 
 def export_csv(sessions: Sequence[RecordedSession], out: Path, fps: int, should_stop: ShouldStop) -> list[Path]:
-    """Write a table of each session into the folder; ExportError if one of them exists."""
+    """Write a table of each session into the folder; ExportError if one of them exists, or would be too long."""
+    for session in sessions:
+        facts = session.facts
+        check_length(facts, facts.end_ns - facts.begin_ns, fps)
 
     def write(session: RecordedSession, path: Path) -> None:
         facts = session.facts

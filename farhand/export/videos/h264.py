@@ -15,6 +15,7 @@ from farhand.export.session import MOST_PIXELS
 
 Rgb = NDArray[np.uint8]
 PIXELS = "yuv420p"
+LONGEST_SIDE_PX = 16_384  # that x264 encodes
 SUFFIX = ".mp4"
 
 
@@ -22,10 +23,11 @@ class H264File:
     """A video of constant rate (Hz), size (width, height); a key picture every `gop` pictures.
 
     Encoded by x264 with constant quality; without pictures that refer to later ones, so that files can be joined.
-    OSError of any call: nothing more can be written.
+    ExportError for a size that it cannot encode. OSError of any call: nothing more can be written.
     """
 
     def __init__(self, path: Path, size_px: tuple[int, int], fps: int, gop: int, crf: int) -> None:
+        check_size(size_px, path.stem)
         self._container = av.open(str(path), "w")
         options = {"crf": str(crf), "preset": "veryfast", "bf": "0", "threads": "1"}
         stream = self._container.add_stream("libx264", rate=fps, options=options)
@@ -58,6 +60,16 @@ class H264File:
         except av.FFmpegError:
             self._failed = True  # a header that failed must not be written again: that crashes the process
             raise
+
+
+def check_size(size_px: tuple[int, int], what: str) -> None:
+    """ExportError for pictures (width, height) that x264 does not encode."""
+    width, height = size_px
+    if width % 2 or height % 2 or not 0 < max(size_px) <= LONGEST_SIDE_PX:
+        cure = "leave it out, naming other views with --view, or use 'farhand export csv', which takes no pictures"
+        raise ExportError(
+            f"'{what}' has {width}x{height} pixels, and H.264 takes even sizes of at most {LONGEST_SIDE_PX}; {cure}"
+        )
 
 
 def joined(parts: Sequence[Path], out: Path, fps: int) -> None:

@@ -43,7 +43,7 @@ def mosaic(plan: MosaicPlan, pictures: Mapping[str, Rgb], lines: Sequence[str]) 
         y, x = k // across * cell_height, k % across * cell_width
         picture = pictures.get(view)
         if picture is not None:
-            canvas[y : y + cell_height, x : x + cell_width] = _fitted(picture, plan.cell_px)
+            canvas[y : y + cell_height, x : x + cell_width] = fitted(picture, plan.cell_px)
         _write(canvas, view if picture is not None else f"{view}: no picture yet", x + MARGIN_PX, y + NAME_PX)
     top = height - plan.lines * LINE_PX - MARGIN_PX
     for k, line in enumerate(lines[: plan.lines]):
@@ -51,7 +51,8 @@ def mosaic(plan: MosaicPlan, pictures: Mapping[str, Rgb], lines: Sequence[str]) 
     return canvas
 
 
-def _fitted(picture: Rgb, cell_px: tuple[int, int]) -> Rgb:
+def fitted(picture: Rgb, cell_px: tuple[int, int]) -> Rgb:
+    """The picture in the size (width, height) of a cell."""
     if picture.shape[1::-1] == cell_px:
         return picture
     resized: Rgb = cv2.resize(picture, cell_px, interpolation=cv2.INTER_AREA).astype(np.uint8, copy=False)

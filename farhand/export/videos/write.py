@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from common.clock import NS_PER_S
+from common.errors import ExportError
 from common.geometry import Array
 from farhand.export.output_files import ShouldStop, go_on, written_each
-from farhand.export.resampling import instants, rows_at
-from farhand.export.session import RecordedSession, SessionFacts, Times, ViewPicture, episode_at
-from farhand.export.videos.h264 import SUFFIX, H264File, Rgb, decoded
-from farhand.export.videos.mosaic import MosaicPlan, mosaic
+from farhand.export.resampling import blocks, check_length, instants, rows_at
+from farhand.export.session import MOST_PIXELS, RecordedSession, SessionFacts, Times, ViewPicture, episode_at
+from farhand.export.videos.h264 import LONGEST_SIDE_PX, SUFFIX, H264File, Rgb, decoded
+from farhand.export.videos.mosaic import MosaicPlan, fitted, mosaic
 from farhand.terminal import ShowProgress
 
 TEXT_LINES, CRF = 3, 23
@@ -22,16 +23,21 @@ NO_VIEW_PX = 640, 480
 def export_mp4(
     sessions: Sequence[RecordedSession], out: Path, fps: int, should_stop: ShouldStop, show: ShowProgress
 ) -> list[Path]:
-    """Write a video of each session into the folder: the views, with time, state and joints below."""
+    """Write a video of each session into the folder: the views, with time, state and joints below.
+
+    ExportError, before any work, if one of them exists or would be too long or too large.
+    """
+    for session in sessions:
+        _plan(session.facts, fps)
 
     def write(session: RecordedSession, path: Path) -> None:
         facts = session.facts
+        plan = _plan(facts, fps)
         at = instants(facts.begin_ns, facts.end_ns, fps)
-        plan = MosaicPlan(tuple(facts.views), max(facts.views.values(), default=NO_VIEW_PX), TEXT_LINES)
         file = H264File(path, plan.size_px, fps, 2 * fps, CRF)
         text = _text(session, at)
         try:
-            for k, pictures in enumerate(_pictures(session, at)):
+            for k, pictures in enumerate(_pictures(session, plan, at)):
                 go_on(should_stop)
                 file.add(mosaic(plan, pictures, next(text)))
                 show(facts.name, k + 1, len(at))
@@ -41,8 +47,21 @@ def export_mp4(
     return written_each(sessions, out, SUFFIX, write)
 
 
-def _pictures(session: RecordedSession, at: Times) -> Iterator[dict[str, Rgb]]:
-    """The newest pictures at each instant, each decoded once; a view has none before its first."""
+def _plan(facts: SessionFacts, fps: int) -> MosaicPlan:
+    check_length(facts, facts.end_ns - facts.begin_ns, fps)
+    plan = MosaicPlan(tuple(facts.views), max(facts.views.values(), default=NO_VIEW_PX), TEXT_LINES)
+    width, height = plan.size_px
+    if width * height > MOST_PIXELS or max(width, height) > LONGEST_SIDE_PX:
+        cure = "export its views with 'farhand export lerobot', where --view names those to take"
+        raise ExportError(
+            f"{facts.name}: {len(plan.views)} views of up to {plan.cell_px[0]}x{plan.cell_px[1]} pixels make a picture "
+            f"of {width}x{height}, and {MOST_PIXELS} pixels, {LONGEST_SIDE_PX} a side, are the most; {cure}"
+        )
+    return plan
+
+
+def _pictures(session: RecordedSession, plan: MosaicPlan, at: Times) -> Iterator[dict[str, Rgb]]:
+    """The newest pictures at each instant, each decoded and fitted once; a view has none before its first."""
     facts, newest, pixels = session.facts, dict[str, ViewPicture](), dict[str, Rgb]()
     coming = session.pictures(facts.begin_ns - NS_PER_S, facts.end_ns)
     after = next(coming, None)
@@ -52,18 +71,20 @@ def _pictures(session: RecordedSession, at: Times) -> Iterator[dict[str, Rgb]]:
             newest[after.view] = after
             changed.add(after.view)
             after = next(coming, None)
-        pixels |= {view: decoded(newest[view].jpeg, f"a picture of '{view}'") for view in changed}
+        for view in changed:
+            pixels[view] = fitted(decoded(newest[view].jpeg, f"a picture of '{view}'"), plan.cell_px)
         yield pixels
 
 
 def _text(session: RecordedSession, at: Times) -> Iterator[list[str]]:
     """The lines below the views, instant by instant."""
     facts, signals = session.facts, session.signals()
-    rows, states = rows_at(signals, at), signals.states.at(at)
-    for k, instant in enumerate(at.tolist()):
-        measured = _joints("measured", facts, rows.q[k], None if rows.opening is None else rows.opening[k])
-        sent = _joints("sent", facts, rows.sent_q[k], rows.sent_opening[k] if facts.has_gripper else None)
-        yield [_about(facts, instant, states[k]), measured, sent]
+    for block in blocks(at):
+        rows, states = rows_at(signals, block), signals.states.at(block)
+        for k, instant in enumerate(block.tolist()):
+            measured = _joints("measured", facts, rows.q[k], None if rows.opening is None else rows.opening[k])
+            sent = _joints("sent", facts, rows.sent_q[k], rows.sent_opening[k] if facts.has_gripper else None)
+            yield [_about(facts, instant, states[k]), measured, sent]
 
 
 def _about(facts: SessionFacts, instant_ns: int, state: str) -> str:

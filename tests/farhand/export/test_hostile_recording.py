@@ -1,5 +1,6 @@
 """A recording whose check sums are right and whose content is not: each reader of it says so, and none crashes."""
 
+import msgspec
 import numpy as np
 import pytest
 import simplejpeg
@@ -8,10 +9,12 @@ from foxglove_schemas_protobuf.Log_pb2 import Log
 
 from common.errors import RecordingError
 from common.messages.requests import EngagementAction
+from common.messages.robot import GripperCommand, GripperState, GripperStatus
 from common.recording.config import RecordConfig
+from common.recording.foxglove import joint_states, pose_in_frame
 from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.mcap_file import McapFile
-from common.recording.reader import CLOCK_TABLE, RecordingReader
+from common.recording.reader import CLOCK_TABLE, EPOCH_KEY, RecordingReader
 from common.recording.topics import MessageSchema, Topic
 from farhand.export.recording import open_sessions
 from farhand.replay.recorded_cycles import recorded_pipeline
@@ -81,6 +84,71 @@ def test_a_copy_is_read_as_the_recording_itself(recorded, altered):
 def test_messages_that_are_none_are_refused_by_an_export(topic, altered):
     with pytest.raises(RecordingError, match=r"altered\.mcap: what is in it cannot be read .*use the release"):
         export(altered(**{topic: GARBAGE}))
+
+
+def event(**others):
+    known = {"event": "begin", "episode": 1, "t_ns": 0, "by": "", "task": "t", "outcome": "unknown", "note": ""}
+    return known | others
+
+
+def action(**cause):
+    hand = {"session": 1, "seq": 1, "capture_ns": 0, "born_ns": 0} | cause
+    order = {"command": 1, "sent_ns": 0, "q": [], "gripper": "keep", "written_command": None, "written_ns": None}
+    return order | {"cause": hand}
+
+
+@pytest.mark.parametrize(
+    ("topic", "data", "why"),
+    [
+        (TOOL_MEASURED, pose_in_frame(0, "base_link", np.eye(4) + 1e300 * np.eye(4, k=3)), "which no arm has"),
+        (GRIPPER, GripperState(1e300, None, GripperCommand.KEEP, GripperStatus.OPEN), "which no arm has"),
+        *((EPISODE, event(episode=number), r"\$\.episode") for number in (-1, 2**63)),
+        *((EPISODE, event(t_ns=t_ns), r"\$\.t_ns") for t_ns in (-(2**64) + 1, 2**64 - 1)),
+        (EPISODE, event(task="t" * 401), r"\$\.task"),
+        (ACTION, action(born_ns=2**61), "an action at .* by a hand at"),
+        (ACTION, action(capture_ns=2**62), "an action at .* by a hand at"),
+        (ACTION, b'{"x":' + b"[" * 9000 + b"]" * 9000 + b"}", "recursion"),
+    ],
+)
+def test_figures_that_no_arm_and_no_recorder_gives_are_refused_by_an_export(topic, data, why, altered):
+    given = data if isinstance(data, bytes) else msgspec.json.encode(data)
+    with pytest.raises(RecordingError, match=rf"altered\.mcap: what is in it cannot be read .*{why}"):
+        export(altered(**{topic.name: given}))
+
+
+@pytest.mark.parametrize("topic", [MEASURED, WRITTEN])
+@pytest.mark.parametrize("q", [np.nan, np.inf, -1e300])
+def test_joints_that_no_arm_has_are_refused_by_an_export(topic, q, recorded, altered):
+    with RecordingReader(recorded) as reader:
+        names = reader.table(CELL_TABLE)["joints"].split(",")
+    data = joint_states(0, names, np.full(len(names), q), None, None)
+    with pytest.raises(RecordingError, match=r"altered\.mcap: .*which no arm has"):
+        export(altered(**{topic.name: data}))
+
+
+@pytest.mark.parametrize("joints", [",".join(f"j{k}" for k in range(17)), "joint_1,joint_1"])
+def test_more_joints_than_an_arm_has_and_one_joint_twice_are_refused(joints, altered):
+    with pytest.raises(RecordingError, match="joints: give a recording of an arm with at most 16, each once"):
+        export(altered(**{CELL_TABLE: {"robot": "r", "joints": joints}}))
+
+
+def test_more_views_than_a_site_has_are_refused(tmp_path):
+    path = tmp_path / "views.mcap"
+    file = McapFile(path, "test")
+    file.describe(CLOCK_TABLE, {EPOCH_KEY: "0"})
+    file.describe(CELL_TABLE, {"robot": "r", "joints": "a"})
+    for k in range(17):
+        file.add(image_topic(f"v{k}"), b"", 1, 1)
+    file.finish()
+    with pytest.raises(RecordingError, match=r"17 views: .* at most 16 cameras"):
+        export(path)
+
+
+@pytest.mark.parametrize("line", ["=" * 1_000_000 + " x", "=1+1 (code): sentence"])
+def test_only_the_states_of_a_session_are_taken_from_its_log(line, altered):
+    data = Log(name="session", message=line).SerializeToString()
+    with open_sessions([altered(**{LOG.name: data})]) as (session,):
+        assert session.signals().states.names == ()
 
 
 @pytest.mark.parametrize("table", [None, {}, {"robot": "r", "joints": "no,such"}])

@@ -142,6 +142,14 @@ def test_an_episode_that_begins_or_ends_in_another_file_does_so_with_this_one():
     )
 
 
+@pytest.mark.parametrize(
+    ("begin_ns", "end_ns", "expected"), [(-(2**63), 2**63 - 1, (5, 99)), (200, 300, (99, 99)), (50, 20, (50, 20))]
+)
+def test_an_episode_is_within_its_file(begin_ns, end_ns, expected):
+    (episode,) = within([RecordedEpisode(1, begin_ns, end_ns, "", EpisodeOutcome.UNKNOWN, "")], 5, 99)
+    assert (episode.begin_ns, episode.end_ns) == expected
+
+
 def test_what_is_no_recording_is_refused_with_the_cure(tmp_path):
     path = tmp_path / "cut.mcap"
     path.write_bytes(b"\x89MCAP0\r\n")

@@ -2,6 +2,7 @@
 
 import hashlib
 import subprocess
+import tracemalloc
 import zipfile
 from pathlib import Path
 
@@ -52,6 +53,28 @@ def test_another_wheel_is_refused_and_leaves_what_is_there(
         module.install(tmp_path, wheel(tmp_path, contents), lambda _: None)
     assert "farhand models install --from FILE" in str(caught.value)
     assert read_model(MODELS[1], tmp_path) == b"hands"
+
+
+@pytest.mark.parametrize("compression", [zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA])
+@pytest.mark.parametrize("stated", [None, 5])
+def test_a_wheel_whose_model_fills_the_memory_is_refused_unread(
+    tmp_path: Path, compression: int, stated: int | None
+) -> None:
+    """It states what it is decompressed, or less."""
+    path = tmp_path / "bomb.whl"
+    with zipfile.ZipFile(path, "w", compression) as archive:
+        for model in MODELS:
+            archive.writestr(model.path, bytes(64 << 20))
+        for entry in archive.filelist:
+            entry.file_size = stated or entry.file_size
+    tracemalloc.start()
+    try:
+        with pytest.raises(ModelError, match="--from FILE"):
+            module.install(tmp_path / "models", path, lambda _: None)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 4 << 20
 
 
 @pytest.mark.parametrize("content", [None, b"no archive"])

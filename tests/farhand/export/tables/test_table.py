@@ -1,12 +1,14 @@
 """A session as CSV: a row an instant, units in the head."""
 
 import csv
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import pytest
 
 from common.errors import ExportError, InterruptionError
 from farhand.export.session import episode_at
+from farhand.export.tables.table import head
 from farhand.export.tables.write import export_csv
 from tests.farhand.export.made_session import EPOCH_NS, MadeSession, at_s, joints
 
@@ -49,6 +51,19 @@ def test_every_column_of_a_figure_names_its_unit(tmp_path):
     head = path.read_text(encoding="utf-8").splitlines()[0].split(",")
     assert [name for name in head if "[" not in name] == ["session", "episode", "task"]
     assert not [name for name in head if "gripper" in name]
+
+
+@pytest.mark.parametrize("task", ["=1+1", "+1", "-1", "@sum", "\t=1"])
+def test_a_task_that_a_spreadsheet_would_calculate_is_text_and_figures_stay_figures(task, tmp_path):
+    (path,) = export_csv([MadeSession(tasks=(task, task))], tmp_path, 50, never)
+    row = rows_of(path)[100]
+    assert row["task"] == f"'{task}"
+    assert any(value.startswith("-") for value in row.values())
+
+
+def test_a_joint_that_a_spreadsheet_would_calculate_is_text():
+    facts = replace(MadeSession().facts, joint_names=("=elbow", "waist"))
+    assert head(facts)[5:7] == ["'=elbow measured [rad]", "waist measured [rad]"]
 
 
 def test_episode_ends_before_its_end():
