@@ -30,6 +30,7 @@ class MotionPlanner:
         self._obstacle: Reason | None = None
         self._slowing = FULL
         self._unjudged = 0
+        self._near = 1.0
 
     @property
     def hindrance(self) -> Reason | None:
@@ -61,8 +62,9 @@ class MotionPlanner:
         `speed_scale` is the fraction of full speed that is allowed, `aimed` whether a target came in this tick.
         """
         self._jerk_limited.reset(sent)
-        target = self._tracker.at(now_ns, sent.q)
+        target = self._tracker.at(now_ns, sent, self._slowing.fraction * speed_scale * self._near)
         aside = self._avoidance.turn_aside(sent.q, target)
+        self._near = aside.speed
         if self._unjudged > aimed:  # deferred by one tick to bound tick time: aiming is the expensive one
             self._slowing, self._unjudged = self._dexterity.slowing(sent.q, target.q), 0
         self._obstacle = aside.reason or self._slowing.reason

@@ -1,0 +1,130 @@
+"""A joint target that waits on its path for joints that cannot follow: all are slowed together; pure."""
+
+import math
+
+import numpy as np
+
+from common.clock import NS_PER_S
+from common.geometry import Array
+from remote_site.kinematics.joints import JointMotion
+from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
+from remote_site.kinematics.model import ArmModel
+from remote_site.motion.catch_up import BOUNDS
+from remote_site.motion.decaying_offset import DecayingOffset
+from remote_site.motion.joint_path import NOTHING, PLANNED, JointPath, Knot, on_the_curve, part_of
+from remote_site.motion.target_predictor import JointBounds
+
+STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does, and for what was not foreseen
+HAND_M_S2, BEYOND_M = 2.0, 0.008  # how a hand stops, and how far one joint alone may take the tool beyond
+NEAR_M, FAR_M = 0.001, 0.005  # a path waits for a tool that is off it: the more, the farther
+CLOSE_RAD, CLOSE_PACE = 0.05, 0.1  # of the target, in every joint, and of full speed: what can be made up for
+SLOW = 0.01  # of full speed
+LATEST_NS = 2 * NS_PER_S
+
+
+class WaitingTarget:
+    """Lets a target pass as it is while the joints can follow it, and could stop where a hand would stop.
+
+    Near a stretched elbow joints have to be quicker than they can. Each by itself would then take the tool off its path
+    by decimetres. So the target goes along the path of the hand's samples, no faster than all joints can together, and
+    slower while the tool is off it; it catches up by no more than after a hold (`catch_up.py`). Later than LATEST_NS it
+    takes a short cut.
+    """
+
+    def __init__(self, model: ArmModel, limits: JointLimits, dt: float) -> None:
+        self._model, self._dt = model, dt
+        self._path = JointPath(model, limits)
+        self._offset = DecayingOffset(JointBounds(model, limits, SLOW).convergence, dt)
+        self.reset()
+
+    def reset(self) -> None:
+        """Wait no longer."""
+        self._path.knots.clear()
+        self._offset.reset()
+        self._s = self._pace = 0.0
+
+    @property
+    def waits(self) -> bool:
+        """Whether it is on its path, not where the hand asks."""
+        return bool(self._path.knots)
+
+    def add(self, q: Array, t_ns: int) -> None:
+        """Take a solution (n,) in rad on the hand's way at `t_ns`; a target that does not wait needs none."""
+        if self.waits and t_ns - self._path.knots[0].t_ns < LATEST_NS:
+            self._path.add(q, t_ns)
+
+    def follow(self, now_ns: int, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
+        """The target's motion, or the motion on its path, for an arm that `sent` leads at a fraction of full speed."""
+        followable = self._followable(target, speed)
+        if not self.waits:
+            motion = self._offset.added_to(target)
+            if not (followable and self._off_m(motion.q, sent.q) <= NEAR_M):
+                self._s, self._pace = 0.0, self._path.pace(motion.dq)
+                self._path.begin(motion.q, now_ns, 0.0, motion.dq, self._pace)
+            return motion
+        motion = self._walk(now_ns, target, sent, speed)
+        close = float(np.max(np.abs(motion.q - target.q))) < CLOSE_RAD
+        if close and followable and self._path.pace(motion.dq - target.dq) < CLOSE_PACE:
+            if self._off_m(motion.q, sent.q) <= NEAR_M:
+                self.reset()
+                self._offset.begin(motion, target)
+        return motion
+
+    def _followable(self, target: JointMotion, speed: float) -> bool:
+        """Whether the joints can be as quick, and stop soon enough if the hand stops.
+
+        A hand that stops with a from v goes on by v²/2a; at the pace u, v/u m of its way are one s, so that is u v/2a.
+        Joints that need (u² / 2 gain) s to stop are then ahead; each must not take the tool further than BEYOND_M.
+        """
+        pace = self._path.pace(target.dq)
+        if pace <= SLOW:
+            return True
+        moved = self._model.jacobian(target.q)[:3] * target.dq
+        alone = math.sqrt(float((moved * moved).sum(axis=0).max()))
+        stops_s = math.hypot(*moved.sum(axis=1).tolist()) / (2 * HAND_M_S2) + BEYOND_M / max(alone, NOTHING)
+        gain = STOPPING / PLANNED * self._path.gain(target.dq / pace)
+        return pace <= min(TARGET_SPEED * speed, 2 * gain * stops_s)
+
+    def _walk(self, now_ns: int, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
+        """One tick on along the path: to its last knot, or straight to the target while there is only a first one."""
+        knots, s, former = self._path.knots, self._s, self._pace
+        ahead = self._path.straight_on(target.q, now_ns) if len(knots) == 1 else knots[-1]
+        here, to = knots[0], knots[1] if len(knots) > 1 else ahead
+        q, slope, bend = on_the_curve(here, to, s)
+        own = here.own + part_of(here, to, s) * (to.own - here.own)
+        asked = self._path.pace(target.dq)
+        most = min(TARGET_SPEED * speed, self._brakable(to, asked), _catching_up(to, own, asked))
+        most *= min(max((FAR_M - self._off_m(q, sent.q)) / (FAR_M - NEAR_M), 0.0), 1.0)
+        harder = STOPPING / PLANNED * to.gain
+        pace = self._pace = max(min(most, former + to.gain * self._dt), former - harder * self._dt, 0.0)
+        self._s = min(s + (former + pace) / 2 * self._dt, ahead.s)
+        if len(knots) == 1:
+            t_ns = here.t_ns + round(part_of(here, to, self._s) * (now_ns - here.t_ns))
+            self._path.begin(q + (self._s - s) * slope, t_ns, self._s, slope, own)
+        while len(knots) > 1 and knots[1].s <= self._s:
+            knots.popleft()
+        return JointMotion(q, former * slope, (pace - former) / self._dt * slope + former * former * bend)
+
+    def _brakable(self, to: Knot, asked: float) -> float:
+        """The greatest pace from which every bend is taken slowly enough, and the last knot is the end.
+
+        Without a last knot the end is the target, that moves at the pace `asked`.
+        """
+        knots = self._path.knots
+        square, after = (0.0, knots[-1]) if len(knots) > 1 else (asked * asked, to)
+        for k in range(len(knots) - 2, 0, -1):
+            square = min(square + 2 * after.gain * (after.s - knots[k].s), after.bend, knots[k].bend)
+            after = knots[k]
+        return math.sqrt(min(square + 2 * after.gain * max(after.s - self._s, 0.0), after.bend))
+
+    def _off_m(self, q: Array, at: Array) -> float:
+        away = q - at
+        if float(np.sum(np.abs(away))) < NEAR_M:  # no arm is so long that this would take the tool off by as much
+            return 0.0
+        return math.hypot(*(self._model.jacobian(at)[:3] @ away).tolist())
+
+
+def _catching_up(to: Knot, own: float, asked: float) -> float:
+    """The pace that exceeds the hand's, here or now, by no more than what may be caught up."""
+    own = max(own, asked)
+    return min(own + more / max(there, NOTHING) for there, more in zip(to.tool, BOUNDS, strict=True))
