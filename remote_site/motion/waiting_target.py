@@ -62,7 +62,8 @@ class WaitingTarget:
                 self._s, self._pace = 0.0, self._path.pace(motion.dq)
                 self._path.begin(motion.q, now_ns, 0.0, motion.dq, self._pace)
             return motion
-        motion = self._walk(now_ns, target, sent, speed)
+        alone = len(self._path.knots) == 1
+        motion = self._alongside(target, speed) if alone else self._walk(target, sent, speed)
         close = float(np.max(np.abs(motion.q - target.q))) < CLOSE_RAD
         if close and followable and self._path.pace(motion.dq - target.dq) < CLOSE_PACE:
             if self._off_m(motion.q, sent.q) <= NEAR_M:
@@ -85,33 +86,46 @@ class WaitingTarget:
         gain = STOPPING / PLANNED * self._path.gain(target.dq / pace)
         return pace <= min(TARGET_SPEED * speed, 2 * gain * stops_s)
 
-    def _walk(self, now_ns: int, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
-        """One tick on along the path: to its last knot, or straight to the target while there is only a first one."""
-        knots, s, former = self._path.knots, self._s, self._pace
-        ahead = self._path.straight_on(target.q, now_ns) if len(knots) == 1 else knots[-1]
-        here, to = knots[0], knots[1] if len(knots) > 1 else ahead
-        q, slope, bend = on_the_curve(here, to, s)
-        own = here.own + part_of(here, to, s) * (to.own - here.own)
-        asked = self._path.pace(target.dq)
-        most = min(TARGET_SPEED * speed, self._brakable(to, asked), _catching_up(to, own, asked))
-        most *= min(max((FAR_M - self._off_m(q, sent.q)) / (FAR_M - NEAR_M), 0.0), 1.0)
-        harder = STOPPING / PLANNED * to.gain
-        pace = self._pace = max(min(most, former + to.gain * self._dt), former - harder * self._dt, 0.0)
-        self._s = min(s + (former + pace) / 2 * self._dt, ahead.s)
-        if len(knots) == 1:
-            t_ns = here.t_ns + round(part_of(here, to, self._s) * (now_ns - here.t_ns))
-            self._path.begin(q + (self._s - s) * slope, t_ns, self._s, slope, own)
-        while len(knots) > 1 and knots[1].s <= self._s:
-            knots.popleft()
-        return JointMotion(q, former * slope, (pace - former) / self._dt * slope + former * former * bend)
+    def _alongside(self, target: JointMotion, speed: float) -> JointMotion:
+        """One tick on beside the target, while the hand's sample of this moment has not come yet.
 
-    def _brakable(self, to: Knot, asked: float) -> float:
-        """The greatest pace from which every bend is taken slowly enough, and the last knot is the end.
-
-        Without a last knot the end is the target, that moves at the pace `asked`.
+        Not onto the target: it is a prediction, and may turn back.
         """
+        here, asked, former = self._path.knots[0], self._path.pace(target.dq), self._pace
+        slope = target.dq / asked if asked > SLOW else here.chord
+        gone = self._advance(min(asked, TARGET_SPEED * speed), self._path.gain(slope))
+        t_ns = here.t_ns + round(min(gone / max(asked, SLOW), self._dt) * NS_PER_S)
+        self._path.begin(here.q + gone * slope, t_ns, self._s, slope, asked)
+        return JointMotion(here.q, former * slope, (self._pace - former) / self._dt * slope)
+
+    def _walk(self, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
+        """One tick on along the path."""
+        knots, s, former = self._path.knots, self._s, self._pace
+        q, slope, bend = on_the_curve(knots[0], knots[1], s)
+        own = knots[0].own + part_of(knots[0], knots[1], s) * (knots[1].own - knots[0].own)
+        most = _catching_up(knots[1], max(own, self._path.pace(target.dq)))
+        most = min(most, TARGET_SPEED * speed, self._brakable())
+        most *= min(max((FAR_M - self._off_m(q, sent.q)) / (FAR_M - NEAR_M), 0.0), 1.0)
+        self._advance(most, knots[1].gain)
+        while len(knots) > 2 and knots[1].s <= self._s:
+            knots.popleft()
+        return JointMotion(q, former * slope, (self._pace - former) / self._dt * slope + former * former * bend)
+
+    def _advance(self, most: float, gain: float) -> float:
+        """Go on for a tick at a pace of no more than `most` if it can be; how far in s."""
+        former, knots = self._pace, self._path.knots
+        harder = STOPPING / PLANNED * gain
+        self._pace = max(min(most, former + gain * self._dt), former - harder * self._dt, 0.0)
+        gone = (former + self._pace) / 2 * self._dt
+        if len(knots) > 1:
+            gone = min(gone, max(knots[-1].s - self._s, 0.0))
+        self._s += gone
+        return gone
+
+    def _brakable(self) -> float:
+        """The greatest pace from which every bend is taken slowly enough, and the last knot is the end."""
         knots = self._path.knots
-        square, after = (0.0, knots[-1]) if len(knots) > 1 else (asked * asked, to)
+        square, after = 0.0, knots[-1]
         for k in range(len(knots) - 2, 0, -1):
             square = min(square + 2 * after.gain * (after.s - knots[k].s), after.bend, knots[k].bend)
             after = knots[k]
@@ -124,7 +138,6 @@ class WaitingTarget:
         return math.hypot(*(self._model.jacobian(at)[:3] @ away).tolist())
 
 
-def _catching_up(to: Knot, own: float, asked: float) -> float:
-    """The pace that exceeds the hand's, here or now, by no more than what may be caught up."""
-    own = max(own, asked)
+def _catching_up(to: Knot, own: float) -> float:
+    """The pace that exceeds the hand's own by no more than what may be caught up."""
     return min(own + more / max(there, NOTHING) for there, more in zip(to.tool, BOUNDS, strict=True))
