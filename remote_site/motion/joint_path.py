@@ -13,7 +13,6 @@ from remote_site.kinematics.model import ArmModel
 
 PLANNED = 0.5  # of the joints' accelerations: for the bends, and as much to brake ahead of them
 SHORTEST_S = 1e-4  # nearer to each other, two solutions are one
-MOST_KNOTS = 500
 NOTHING = 1e-9
 
 
@@ -58,10 +57,13 @@ class JointPath:
         self.knots.append(self._knot(q, t_ns, s, chord, own))
 
     def add(self, q: Array, t_ns: int) -> None:
-        """Lead on to `q`, unless the path knows a later place already or is too long."""
+        """Lead on to `q`, unless the path knows a later place already."""
         knots, last = self.knots, self.knots[-1]
+        if t_ns <= last.t_ns:
+            return
         knot = self.straight_on(q, t_ns)
-        if t_ns <= last.t_ns or knot.s < last.s + SHORTEST_S or len(knots) > MOST_KNOTS:
+        if knot.s < last.s + SHORTEST_S:
+            last.t_ns = t_ns
             return
         knots.append(knot)
         if len(knots) > 2:

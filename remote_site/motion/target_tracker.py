@@ -89,6 +89,7 @@ class ClosedFormTracker:
         del q
         solution = self._solved(target)
         if not isinstance(solution, Solution):
+            self._waiting.halt()
             self._predictor.hear(target.now_ns, target.stretch)
             return solution.reason
         self._solved_ns = target.t_ns
@@ -105,13 +106,14 @@ class ClosedFormTracker:
         found = self._inverse.along(target.base_T_target, elapsed_s, speed)
         if isinstance(found, Unreachable):
             return found
-        for k, solution in enumerate(found, 1):
-            self._waiting.add(solution.q, self._solved_ns + k * (target.t_ns - self._solved_ns) // len(found))
+        for left, solution in zip(reversed(range(len(found))), found, strict=True):
+            self._waiting.add(solution.q, target.t_ns - round(left * elapsed_s / len(found) * NS_PER_S))
         return found[-1]
 
     def at(self, now_ns: int, sent: JointMotion, speed: float) -> JointMotion:
         """The predicted target, or that on its path, whatever the arm's posture."""
-        return self._waiting.follow(now_ns, JointMotion(*self._predictor.at(now_ns)), sent, max(speed, SLOWEST))
+        target, hand_ns = JointMotion(*self._predictor.at(now_ns)), now_ns - self._predictor.delay_ns
+        return self._waiting.follow(hand_ns, target, sent, max(speed, SLOWEST))
 
 
 class DifferentialTracker:

@@ -19,7 +19,7 @@ HAND_M_S2, BEYOND_M = 2.0, 0.008  # how a hand stops, and how far one joint alon
 NEAR_M, FAR_M = 0.001, 0.005  # a path waits for a tool that is off it: the more, the farther
 CLOSE_RAD, CLOSE_PACE = 0.05, 0.1  # of the target, in every joint, and of full speed: what can be made up for
 SLOW = 0.01  # of full speed
-LATEST_NS = 2 * NS_PER_S
+LONGEST_S = 1.0  # at full speed: what is left of the path; it takes two to three times as long
 
 
 class WaitingTarget:
@@ -27,8 +27,8 @@ class WaitingTarget:
 
     Near a stretched elbow joints have to be quicker than they can. Each by itself would then take the tool off its path
     by decimetres. So the target goes along the path of the hand's samples, no faster than all joints can together, and
-    slower while the tool is off it; it catches up by no more than after a hold (`catch_up.py`). Later than LATEST_NS it
-    takes a short cut.
+    slower while the tool is off it; it catches up by no more than after a hold (`catch_up.py`). Where
+    more than LONGEST_S is left of the path, it becomes a short cut.
     """
 
     def __init__(self, model: ArmModel, limits: JointLimits, dt: float) -> None:
@@ -42,6 +42,7 @@ class WaitingTarget:
         self._path.knots.clear()
         self._offset.reset()
         self._s = self._pace = 0.0
+        self._halted = False
 
     @property
     def waits(self) -> bool:
@@ -50,17 +51,25 @@ class WaitingTarget:
 
     def add(self, q: Array, t_ns: int) -> None:
         """Take a solution (n,) in rad on the hand's way at `t_ns`; a target that does not wait needs none."""
-        if self.waits and t_ns - self._path.knots[0].t_ns < LATEST_NS:
+        if self.waits and self._path.knots[-1].s - self._s < LONGEST_S:
             self._path.add(q, t_ns)
+        self._halted = False
 
-    def follow(self, now_ns: int, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
-        """The target's motion, or the motion on its path, for an arm that `sent` leads at a fraction of full speed."""
+    def halt(self) -> None:
+        """Take the hand's way as ended: the hand is where the arm cannot reach."""
+        self._halted = True
+
+    def follow(self, hand_ns: int, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
+        """The target's motion, or the motion on its path, for an arm that `sent` leads at a fraction of full speed.
+
+        `hand_ns` is when the hand was where the target is.
+        """
         followable = self._followable(target, speed)
         if not self.waits:
             motion = self._offset.added_to(target)
             if not (followable and self._off_m(motion.q, sent.q) <= NEAR_M):
                 self._s, self._pace = 0.0, self._path.pace(motion.dq)
-                self._path.begin(motion.q, now_ns, 0.0, motion.dq, self._pace)
+                self._path.begin(motion.q, hand_ns, 0.0, motion.dq, self._pace)
             return motion
         alone = len(self._path.knots) == 1
         motion = self._alongside(target, speed) if alone else self._walk(target, sent, speed)
@@ -93,7 +102,7 @@ class WaitingTarget:
         """
         here, asked, former = self._path.knots[0], self._path.pace(target.dq), self._pace
         slope = target.dq / asked if asked > SLOW else here.chord
-        gone = self._advance(min(asked, TARGET_SPEED * speed), self._path.gain(slope))
+        gone = self._advance(0.0 if self._halted else min(asked, TARGET_SPEED * speed), self._path.gain(slope))
         t_ns = here.t_ns + round(min(gone / max(asked, SLOW), self._dt) * NS_PER_S)
         self._path.begin(here.q + gone * slope, t_ns, self._s, slope, asked)
         return JointMotion(here.q, former * slope, (self._pace - former) / self._dt * slope)

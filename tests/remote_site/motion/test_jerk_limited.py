@@ -102,10 +102,12 @@ def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(stretch
         0,
     )
     tracker.reset(0, START)
+    there = JointMotion.at_rest(START)
     for at_ms in range(33, 600, 33):
+        there = tracker.at(at_ms * NS_PER_MS, there, 1.0)
         target = transform(target[:3, :3], target[:3, 3] + [0.0, 0.002, 0.0])
         tracker.aim(ToolSample(at_ms * NS_PER_MS, at_ms * NS_PER_MS, target, None, None, stretch), START)
-    earlier, later = (tracker.at((at_ms + ms) * NS_PER_MS, START).q[0] for ms in (160, 230))
+    earlier, later = (tracker.at((at_ms + ms) * NS_PER_MS, there, 1.0).q[0] for ms in (160, 230))
     assert bool(later - earlier > 0.003) is carried
 
 
