@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -14,6 +14,7 @@ from remote_site.kinematics.model import ArmModel
 PLANNED = 0.5  # of the joints' accelerations: for the bends, and as much to brake ahead of them
 SHORTEST_S = 1e-4  # nearer to each other, two solutions are one
 NOTHING = 1e-9
+SOONEST_NS = 4 * NS_PER_MS  # between two solutions, for the hand's own speed
 
 
 @dataclass(slots=True)
@@ -78,7 +79,7 @@ class JointPath:
         last = self.knots[-1]
         step = q - last.q
         length = max(self.pace(step), NOTHING)
-        return self._knot(q, t_ns, last.s + length, step / length, length * NS_PER_S / max(t_ns - last.t_ns, 1))
+        return self._knot(q, t_ns, last.s + length, step / length, length * NS_PER_S / max(t_ns - last.t_ns, SOONEST_NS))
 
     def gain(self, chord: Array) -> float:
         """The greatest d²s/dt² that is planned where dq/ds is `chord` (n,) rad/s."""

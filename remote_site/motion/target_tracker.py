@@ -53,14 +53,14 @@ class TargetTracker(Protocol):
 
     `aim` takes a new target for an arm at `q` (n,) rad; the answer is why it cannot be reached.
     `at` is asked once per tick: how the joints' target moves, for an arm that `sent` leads at the fraction `speed` of
-    its full speed.
+    its full speed; `barred` while an obstacle keeps the arm from it.
     """
 
     def reset(self, t_ns: int, q: Array) -> None: ...
 
     def aim(self, target: ToolSample, q: Array) -> Reason | None: ...
 
-    def at(self, now_ns: int, sent: JointMotion, speed: float) -> JointMotion: ...
+    def at(self, now_ns: int, sent: JointMotion, speed: float, *, barred: bool = False) -> JointMotion: ...
 
 
 class ClosedFormTracker:
@@ -110,10 +110,10 @@ class ClosedFormTracker:
             self._waiting.add(solution.q, target.t_ns - round(left * elapsed_s / len(found) * NS_PER_S))
         return found[-1]
 
-    def at(self, now_ns: int, sent: JointMotion, speed: float) -> JointMotion:
+    def at(self, now_ns: int, sent: JointMotion, speed: float, *, barred: bool = False) -> JointMotion:
         """The predicted target, or that on its path, whatever the arm's posture."""
         target, hand_ns = JointMotion(*self._predictor.at(now_ns)), now_ns - self._predictor.delay_ns
-        return self._waiting.follow(hand_ns, target, sent, max(speed, SLOWEST))
+        return self._waiting.follow(hand_ns, target, sent, max(speed, SLOWEST), barred=barred)
 
 
 class DifferentialTracker:
@@ -154,7 +154,7 @@ class DifferentialTracker:
         self._elbow = elbow if elbow is not None else self._elbow
         return self._off
 
-    def at(self, now_ns: int, sent: JointMotion, speed: float) -> JointMotion:
+    def at(self, now_ns: int, sent: JointMotion, speed: float, *, barred: bool = False) -> JointMotion:
         """One step towards the predicted target, from joints that never run away from the arm."""
         q = sent.q
         pose, rate, _ = self._predictor.at(now_ns)

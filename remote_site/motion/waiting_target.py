@@ -14,11 +14,13 @@ from remote_site.motion.decaying_offset import DecayingOffset
 from remote_site.motion.joint_path import NOTHING, PLANNED, JointPath, Knot, on_the_curve, part_of
 from remote_site.motion.target_predictor import JointBounds
 
-STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does, and for what was not foreseen
+STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does
+HARDEST = 0.55  # the same, to brake with for what was not foreseen: less than a moving target may (`moving_frame.py`)
 HAND_M_S2, BEYOND_M = 2.0, 0.008  # how a hand stops, and how far one joint alone may take the tool beyond
 NEAR_M, FAR_M = 0.001, 0.005  # a path waits for a tool that is off it: the more, the farther
 CLOSE_RAD, CLOSE_PACE = 0.05, 0.1  # of the target, in every joint, and of full speed: what can be made up for
 SLOW = 0.01  # of full speed
+HELD_S = 0.5  # off a path that waits: something else keeps the arm from it, as an obstacle does
 LONGEST_S = 1.0  # at full speed: what is left of the path; it takes two to three times as long
 
 
@@ -42,7 +44,7 @@ class WaitingTarget:
         self._path.knots.clear()
         self._offset.reset()
         self._s = self._pace = 0.0
-        self._halted = False
+        self._halted, self._held_s = False, 0.0
 
     @property
     def waits(self) -> bool:
@@ -59,26 +61,33 @@ class WaitingTarget:
         """Take the hand's way as ended: the hand is where the arm cannot reach."""
         self._halted = True
 
-    def follow(self, hand_ns: int, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
+    def follow(
+        self, hand_ns: int, target: JointMotion, sent: JointMotion, speed: float, *, barred: bool = False
+    ) -> JointMotion:
         """The target's motion, or the motion on its path, for an arm that `sent` leads at a fraction of full speed.
 
-        `hand_ns` is when the hand was where the target is.
+        `hand_ns` is when the hand was where the target is. A target whose arm is `barred` from it does not wait.
         """
-        followable = self._followable(target, speed)
+        followable = barred or self._followable(target, speed)
         if not self.waits:
             motion = self._offset.added_to(target)
-            if not (followable and self._off_m(motion.q, sent.q) <= NEAR_M):
-                self._s, self._pace = 0.0, self._path.pace(motion.dq)
+            if not (barred or (followable and self._off_m(motion.q, sent.q) <= NEAR_M)):
+                self._s, self._pace = 0.0, min(self._path.pace(motion.dq), self._path.pace(sent.dq))
                 self._path.begin(motion.q, hand_ns, 0.0, motion.dq, self._pace)
             return motion
         alone = len(self._path.knots) == 1
-        motion = self._alongside(target, speed) if alone else self._walk(target, sent, speed)
-        close = float(np.max(np.abs(motion.q - target.q))) < CLOSE_RAD
-        if close and followable and self._path.pace(motion.dq - target.dq) < CLOSE_PACE:
-            if self._off_m(motion.q, sent.q) <= NEAR_M:
-                self.reset()
-                self._offset.begin(motion, target)
+        motion = self._alongside(target, sent, speed) if alone else self._walk(target, sent, speed)
+        off_m = self._off_m(motion.q, sent.q)
+        self._held_s = self._held_s + self._dt if off_m >= FAR_M and self._pace == 0.0 else 0.0
+        caught_up = off_m <= NEAR_M and followable and self._is_close(motion, target)
+        if barred or caught_up or self._held_s > HELD_S:
+            self.reset()
+            self._offset.begin(motion, target)
         return motion
+
+    def _is_close(self, motion: JointMotion, target: JointMotion) -> bool:
+        far = float(np.max(np.abs(motion.q - target.q)))
+        return far < CLOSE_RAD and self._path.pace(motion.dq - target.dq) < CLOSE_PACE
 
     def _followable(self, target: JointMotion, speed: float) -> bool:
         """Whether the joints can be as quick, and stop soon enough if the hand stops.
@@ -95,14 +104,15 @@ class WaitingTarget:
         gain = STOPPING / PLANNED * self._path.gain(target.dq / pace)
         return pace <= min(TARGET_SPEED * speed, 2 * gain * stops_s)
 
-    def _alongside(self, target: JointMotion, speed: float) -> JointMotion:
+    def _alongside(self, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
         """One tick on beside the target, while the hand's sample of this moment has not come yet.
 
         Not onto the target: it is a prediction, and may turn back.
         """
         here, asked, former = self._path.knots[0], self._path.pace(target.dq), self._pace
         slope = target.dq / asked if asked > SLOW else here.chord
-        gone = self._advance(0.0 if self._halted else min(asked, TARGET_SPEED * speed), self._path.gain(slope))
+        most = 0.0 if self._halted else min(asked, TARGET_SPEED * speed) * self._near(here.q, sent.q)
+        gone = self._advance(most, self._path.gain(slope))
         t_ns = here.t_ns + round(min(gone / max(asked, SLOW), self._dt) * NS_PER_S)
         self._path.begin(here.q + gone * slope, t_ns, self._s, slope, asked)
         return JointMotion(here.q, former * slope, (self._pace - former) / self._dt * slope)
@@ -113,8 +123,7 @@ class WaitingTarget:
         q, slope, bend = on_the_curve(knots[0], knots[1], s)
         own = knots[0].own + part_of(knots[0], knots[1], s) * (knots[1].own - knots[0].own)
         most = _catching_up(knots[1], max(own, self._path.pace(target.dq)))
-        most = min(most, TARGET_SPEED * speed, self._brakable())
-        most *= min(max((FAR_M - self._off_m(q, sent.q)) / (FAR_M - NEAR_M), 0.0), 1.0)
+        most = min(most, TARGET_SPEED * speed, self._brakable()) * self._near(q, sent.q)
         self._advance(most, knots[1].gain)
         while len(knots) > 2 and knots[1].s <= self._s:
             knots.popleft()
@@ -123,7 +132,7 @@ class WaitingTarget:
     def _advance(self, most: float, gain: float) -> float:
         """Go on for a tick at a pace of no more than `most` if it can be; how far in s."""
         former, knots = self._pace, self._path.knots
-        harder = STOPPING / PLANNED * gain
+        harder = HARDEST / PLANNED * gain
         self._pace = max(min(most, former + gain * self._dt), former - harder * self._dt, 0.0)
         gone = (former + self._pace) / 2 * self._dt
         if len(knots) > 1:
@@ -139,6 +148,10 @@ class WaitingTarget:
             square = min(square + 2 * after.gain * (after.s - knots[k].s), after.bend, knots[k].bend)
             after = knots[k]
         return math.sqrt(min(square + 2 * after.gain * max(after.s - self._s, 0.0), after.bend))
+
+    def _near(self, q: Array, at: Array) -> float:
+        """How near the tool is to its place on the path: 1 where the path goes on as it can, 0 where it waits."""
+        return min(max((FAR_M - self._off_m(q, at)) / (FAR_M - NEAR_M), 0.0), 1.0)
 
     def _off_m(self, q: Array, at: Array) -> float:
         away = q - at
