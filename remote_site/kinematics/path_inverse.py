@@ -51,4 +51,3 @@ class PathInverse:
         found = found or [at_once]
         self._q = found[-1].q
         return found
-

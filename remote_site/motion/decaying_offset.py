@@ -5,7 +5,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
 
 FASTEST_RAD_S = 10.0  # the decay rate

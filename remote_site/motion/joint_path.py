@@ -11,7 +11,7 @@ from common.geometry import Array
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 
-PLANNED = 0.5  # of the joints' accelerations: for the bends, and as much to brake ahead of them
+PLANNED, BENT = 0.6, 0.5  # of the joints' accelerations: to brake ahead with, and for the bends themselves
 SHORTEST_S = 1e-4  # nearer to each other, two solutions are one
 NOTHING = 1e-9
 SOONEST_NS = 4 * NS_PER_MS  # between two solutions, for the hand's own speed
@@ -79,7 +79,9 @@ class JointPath:
         last = self.knots[-1]
         step = q - last.q
         length = max(self.pace(step), NOTHING)
-        return self._knot(q, t_ns, last.s + length, step / length, length * NS_PER_S / max(t_ns - last.t_ns, SOONEST_NS))
+        return self._knot(
+            q, t_ns, last.s + length, step / length, length * NS_PER_S / max(t_ns - last.t_ns, SOONEST_NS)
+        )
 
     def gain(self, chord: Array) -> float:
         """The greatest d²s/dt² that is planned where dq/ds is `chord` (n,) rad/s."""
@@ -91,7 +93,7 @@ class JointPath:
         return Knot(q, t_ns, s, chord, chord, tool, own, self.gain(chord))
 
     def _bend(self, begin: Knot, end: Knot) -> float:
-        """The (ds/dt)² at which a segment's d²q/ds² takes what is planned of the accelerations.
+        """The (ds/dt)² at which a segment's d²q/ds² takes their part of the accelerations.
 
         That of a cubic is greatest at an end.
         """
@@ -99,7 +101,7 @@ class JointPath:
         at_begin = 6 * end.chord - 4 * begin.tangent - 2 * end.tangent
         at_end = 2 * begin.tangent + 4 * end.tangent - 6 * end.chord
         bent = float(np.max(np.maximum(np.abs(at_begin), np.abs(at_end)) / self._acceleration))
-        return PLANNED * length / max(bent, NOTHING)
+        return BENT * length / max(bent, NOTHING)
 
 
 def part_of(begin: Knot, end: Knot, s: float) -> float:

@@ -55,4 +55,3 @@ class Leash:
 def _way(a: Array, b: Array) -> tuple[float, float]:
     """The distance in m and the angle in rad between two poses (4 x 4)."""
     return math.dist(a[:3, 3].tolist(), b[:3, 3].tolist()), angle_between(a[:3, :3], b[:3, :3])
-

@@ -16,9 +16,9 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.path_inverse import PathInverse
-from remote_site.motion.waiting_target import WaitingTarget
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_predictor import SLOWEST, TargetPredictor, joint_target_predictor
+from remote_site.motion.waiting_target import WaitingTarget
 from remote_site.reasons import Code, Reason, reason
 
 UNWIND_S = 5.0  # 1/s: how fast a target that the joints do not follow comes back to them

@@ -1,6 +1,7 @@
 """A joint target that waits on its path for joints that cannot follow: all are slowed together; pure."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,10 +16,16 @@ from remote_site.motion.joint_path import NOTHING, PLANNED, JointPath, Knot, on_
 from remote_site.motion.target_predictor import JointBounds
 
 STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does
-HARDEST = 0.55  # the same, to brake with for what was not foreseen: less than a moving target may (`moving_frame.py`)
+HARDEST = (
+    0.7  # the same, to brake on the path for what was not foreseen; less than a moving target may (`moving_frame.py`)
+)
 HAND_M_S2, BEYOND_M = 2.0, 0.008  # how a hand stops, and how far one joint alone may take the tool beyond
+LEFT_M = 0.002  # a tool so far off its target has left its path
 NEAR_M, FAR_M = 0.001, 0.005  # a path waits for a tool that is off it: the more, the farther
-CLOSE_RAD, CLOSE_PACE = 0.05, 0.1  # of the target, in every joint, and of full speed: what can be made up for
+CLOSE_RAD, CLOSE_PACE = 0.07, 0.1  # of the target, in every joint, and of full speed: what can be made up for
+MADE_UP = 0.6  # of the joints' accelerations, for that
+CATCH_UP = 2.0  # times as fast as after a hold: the hand is there, and sees it
+SURE = 2.0  # the end of the path is passed at the hand's own pace, if this times as much can be followed; then at less
 SLOW = 0.01  # of full speed
 HELD_S = 0.5  # off a path that waits: something else keeps the arm from it, as an obstacle does
 LONGEST_S = 1.0  # at full speed: what is left of the path; it takes two to three times as long
@@ -29,14 +36,14 @@ class WaitingTarget:
 
     Near a stretched elbow joints have to be quicker than they can. Each by itself would then take the tool off its path
     by decimetres. So the target goes along the path of the hand's samples, no faster than all joints can together, and
-    slower while the tool is off it; it catches up by no more than after a hold (`catch_up.py`). Where
-    more than LONGEST_S is left of the path, it becomes a short cut.
+    slower while the tool is off it. Where more than LONGEST_S is left of the path, it becomes a short cut.
     """
 
     def __init__(self, model: ArmModel, limits: JointLimits, dt: float) -> None:
         self._model, self._dt = model, dt
         self._path = JointPath(model, limits)
-        self._offset = DecayingOffset(JointBounds(model, limits, SLOW).convergence, dt)
+        gentle = replace(limits, acceleration=MADE_UP * limits.acceleration)
+        self._offset = DecayingOffset(JointBounds(model, gentle, SLOW).convergence, dt)
         self.reset()
 
     def reset(self) -> None:
@@ -68,41 +75,42 @@ class WaitingTarget:
 
         `hand_ns` is when the hand was where the target is. A target whose arm is `barred` from it does not wait.
         """
-        followable = barred or self._followable(target, speed)
+        asked, followable = self._path.pace(target.dq), self._followable(target, speed)
         if not self.waits:
             motion = self._offset.added_to(target)
-            if not (barred or (followable and self._off_m(motion.q, sent.q) <= NEAR_M)):
+            if not (barred or (asked <= followable and self._off_m(motion.q, sent.q) <= LEFT_M)):
                 self._s, self._pace = 0.0, min(self._path.pace(motion.dq), self._path.pace(sent.dq))
                 self._path.begin(motion.q, hand_ns, 0.0, motion.dq, self._pace)
             return motion
         alone = len(self._path.knots) == 1
-        motion = self._alongside(target, sent, speed) if alone else self._walk(target, sent, speed)
+        motion = self._alongside(target, sent, speed) if alone else self._walk(asked, followable, sent, speed)
         off_m = self._off_m(motion.q, sent.q)
         self._held_s = self._held_s + self._dt if off_m >= FAR_M and self._pace == 0.0 else 0.0
-        caught_up = off_m <= NEAR_M and followable and self._is_close(motion, target)
+        caught_up = off_m <= NEAR_M and asked <= followable and self._is_close(motion, target)
         if barred or caught_up or self._held_s > HELD_S:
             self.reset()
             self._offset.begin(motion, target)
         return motion
 
     def _is_close(self, motion: JointMotion, target: JointMotion) -> bool:
+        """Whether what is left to the target is so little that it need not be on the path."""
         far = float(np.max(np.abs(motion.q - target.q)))
         return far < CLOSE_RAD and self._path.pace(motion.dq - target.dq) < CLOSE_PACE
 
-    def _followable(self, target: JointMotion, speed: float) -> bool:
-        """Whether the joints can be as quick, and stop soon enough if the hand stops.
+    def _followable(self, target: JointMotion, speed: float) -> float:
+        """The greatest pace that the joints can follow, and from which they stop soon enough if the hand stops.
 
         A hand that stops with a from v goes on by v²/2a; at the pace u, v/u m of its way are one s, so that is u v/2a.
         Joints that need (u² / 2 gain) s to stop are then ahead; each must not take the tool further than BEYOND_M.
         """
         pace = self._path.pace(target.dq)
         if pace <= SLOW:
-            return True
+            return TARGET_SPEED * speed
         moved = self._model.jacobian(target.q)[:3] * target.dq
         alone = math.sqrt(float((moved * moved).sum(axis=0).max()))
         stops_s = math.hypot(*moved.sum(axis=1).tolist()) / (2 * HAND_M_S2) + BEYOND_M / max(alone, NOTHING)
         gain = STOPPING / PLANNED * self._path.gain(target.dq / pace)
-        return pace <= min(TARGET_SPEED * speed, 2 * gain * stops_s)
+        return min(TARGET_SPEED * speed, 2 * gain * stops_s)
 
     def _alongside(self, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
         """One tick on beside the target, while the hand's sample of this moment has not come yet.
@@ -117,13 +125,14 @@ class WaitingTarget:
         self._path.begin(here.q + gone * slope, t_ns, self._s, slope, asked)
         return JointMotion(here.q, former * slope, (self._pace - former) / self._dt * slope)
 
-    def _walk(self, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
-        """One tick on along the path."""
+    def _walk(self, asked: float, followable: float, sent: JointMotion, speed: float) -> JointMotion:
+        """One tick on along the path, for a hand at the pace `asked` where `followable` is the greatest."""
         knots, s, former = self._path.knots, self._s, self._pace
         q, slope, bend = on_the_curve(knots[0], knots[1], s)
         own = knots[0].own + part_of(knots[0], knots[1], s) * (knots[1].own - knots[0].own)
-        most = _catching_up(knots[1], max(own, self._path.pace(target.dq)))
-        most = min(most, TARGET_SPEED * speed, self._brakable()) * self._near(q, sent.q)
+        end = asked * min(max(SURE * (1.0 - asked / followable), 0.0), 1.0)
+        most = _catching_up(knots[1], max(own, asked))
+        most = min(most, TARGET_SPEED * speed, self._brakable(end)) * self._near(q, sent.q)
         self._advance(most, knots[1].gain)
         while len(knots) > 2 and knots[1].s <= self._s:
             knots.popleft()
@@ -140,10 +149,10 @@ class WaitingTarget:
         self._s += gone
         return gone
 
-    def _brakable(self) -> float:
-        """The greatest pace from which every bend is taken slowly enough, and the last knot is the end."""
+    def _brakable(self, end: float) -> float:
+        """The greatest pace from which every bend is taken slowly enough, and the last knot at the pace `end`."""
         knots = self._path.knots
-        square, after = 0.0, knots[-1]
+        square, after = end * end, knots[-1]
         for k in range(len(knots) - 2, 0, -1):
             square = min(square + 2 * after.gain * (after.s - knots[k].s), after.bend, knots[k].bend)
             after = knots[k]
@@ -155,11 +164,11 @@ class WaitingTarget:
 
     def _off_m(self, q: Array, at: Array) -> float:
         away = q - at
-        if float(np.sum(np.abs(away))) < NEAR_M:  # no arm is so long that this would take the tool off by as much
+        if float(np.sum(np.abs(away))) < NEAR_M:  # by which joints hardly take the tool off
             return 0.0
         return math.hypot(*(self._model.jacobian(at)[:3] @ away).tolist())
 
 
 def _catching_up(to: Knot, own: float) -> float:
     """The pace that exceeds the hand's own by no more than what may be caught up."""
-    return min(own + more / max(there, NOTHING) for there, more in zip(to.tool, BOUNDS, strict=True))
+    return min(own + CATCH_UP * more / max(there, NOTHING) for there, more in zip(to.tool, BOUNDS, strict=True))

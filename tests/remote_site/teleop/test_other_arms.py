@@ -8,6 +8,7 @@ from common.errors import ModelError
 from common.geometry import vector_from_rotation
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import BranchConfig, RobotConfig, SolverConfig
+from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, ToolSample, choose_target_tracker
 from remote_site.reasons import Code
