@@ -12,21 +12,24 @@ MOST = 12  # solutions from one target to the next
 
 
 class PathInverse:
-    """The closed form at each target of the tool, and on the straight way there, turned in proportion."""
+    """The closed form at each target of the tool, and on the straight way there, turned in proportion.
+
+    `q` (6,) in rad is the newest solution.
+    """
 
     def __init__(self, inverse: SphericalWristInverse) -> None:
         self._inverse = inverse
-        self._pose, self._q = np.eye(4), np.zeros(6)
+        self._pose, self.q = np.eye(4), np.zeros(6)
 
     def reset(self, base_T_tool: Array, q: Array) -> None:
         """Begin at the tool's pose (4 x 4), where the joints are at `q` (6,) rad."""
-        self._pose, self._q = base_T_tool, q
+        self._pose, self.q = base_T_tool, q
 
     def to(self, base_T_target: Array, elapsed_s: float, speed: float) -> Solution | Unreachable:
         """The solution for a target (4 x 4), `elapsed_s` after the last one, at a fraction of full speed."""
-        found = self._inverse.nearest(base_T_target, self._q, elapsed_s, speed)
+        found = self._inverse.nearest(base_T_target, self.q, elapsed_s, speed)
         if isinstance(found, Solution):
-            self._pose, self._q = base_T_target, found.q
+            self._pose, self.q = base_T_target, found.q
         return found
 
     def along(self, base_T_target: Array, elapsed_s: float, speed: float) -> list[Solution] | Unreachable:
@@ -35,7 +38,7 @@ class PathInverse:
         Each is the nearest to the one before, so that joint 4, which only goes as far as the time allows where the
         wrist is straight, does not swing between what is solved at once and what is solved step by step.
         """
-        pose, q = self._pose, self._q
+        pose, q = self._pose, self.q
         at_once = self.to(base_T_target, elapsed_s, speed)
         if isinstance(at_once, Unreachable):
             return at_once
@@ -49,5 +52,5 @@ class PathInverse:
             elif k + 1 == steps:
                 found.append(at_once)
         found = found or [at_once]
-        self._q = found[-1].q
+        self.q = found[-1].q
         return found

@@ -1,4 +1,4 @@
-"""The joints' path over the solutions of the hand's samples: a smooth curve, and the speed that its bends allow; pure."""
+"""The path of the joints over the solutions of hand samples: a smooth curve, and what speed its bends allow; pure."""
 
 import math
 from collections import deque
@@ -11,7 +11,7 @@ from common.geometry import Array
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 
-PLANNED, BENT = 0.6, 0.5  # of the joints' accelerations: to brake ahead with, and for the bends themselves
+PLANNED, BENT = 0.6, 0.7  # of the joints' accelerations: to brake ahead with, and for the bends themselves
 SHORTEST_S = 1e-4  # nearer to each other, two solutions are one
 NOTHING = 1e-9
 SOONEST_NS = 4 * NS_PER_MS  # between two solutions, for the hand's own speed

@@ -89,7 +89,7 @@ class ClosedFormTracker:
         del q
         solution = self._solved(target)
         if not isinstance(solution, Solution):
-            self._waiting.halt()
+            self._waiting.halt(self._inverse.q)
             self._predictor.hear(target.now_ns, target.stretch)
             return solution.reason
         self._solved_ns = target.t_ns
@@ -156,6 +156,7 @@ class DifferentialTracker:
 
     def at(self, now_ns: int, sent: JointMotion, speed: float, *, barred: bool = False) -> JointMotion:
         """One step towards the predicted target, from joints that never run away from the arm."""
+        del speed, barred
         q = sent.q
         pose, rate, _ = self._predictor.at(now_ns)
         target = transform(pin.exp3(pose[3:]) @ self._turned_from, pose[:3])

@@ -16,17 +16,17 @@ from remote_site.motion.joint_path import NOTHING, PLANNED, JointPath, Knot, on_
 from remote_site.motion.target_predictor import JointBounds
 
 STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does
-HARDEST = (
-    0.7  # the same, to brake on the path for what was not foreseen; less than a moving target may (`moving_frame.py`)
-)
+HARDEST = 0.7  # the same, to brake on the path for what was not foreseen
 HAND_M_S2, BEYOND_M = 2.0, 0.008  # how a hand stops, and how far one joint alone may take the tool beyond
-LEFT_M = 0.002  # a tool so far off its target has left its path
+
+
+LEFT_M = 0.003  # a tool so far off its target has left its path
 NEAR_M, FAR_M = 0.001, 0.005  # a path waits for a tool that is off it: the more, the farther
 CLOSE_RAD, CLOSE_PACE = 0.07, 0.1  # of the target, in every joint, and of full speed: what can be made up for
 MADE_UP = 0.6  # of the joints' accelerations, for that
 CATCH_UP = 2.0  # times as fast as after a hold: the hand is there, and sees it
 SURE = 2.0  # the end of the path is passed at the hand's own pace, if this times as much can be followed; then at less
-SLOW = 0.01  # of full speed
+SLOW, SLOW_M_S = 0.01, 0.01  # of full speed; of a tool that moves nowhere
 HELD_S = 0.5  # off a path that waits: something else keeps the arm from it, as an obstacle does
 LONGEST_S = 1.0  # at full speed: what is left of the path; it takes two to three times as long
 
@@ -64,9 +64,11 @@ class WaitingTarget:
             self._path.add(q, t_ns)
         self._halted = False
 
-    def halt(self) -> None:
-        """Take the hand's way as ended: the hand is where the arm cannot reach."""
+    def halt(self, q: Array) -> None:
+        """Take `q` (n,) in rad as the end of the hand's way: the hand is where the arm cannot reach."""
         self._halted = True
+        if len(self._path.knots) == 1:
+            self._path.add(q, self._path.knots[0].t_ns + 1)
 
     def follow(
         self, hand_ns: int, target: JointMotion, sent: JointMotion, speed: float, *, barred: bool = False
@@ -78,7 +80,7 @@ class WaitingTarget:
         asked, followable = self._path.pace(target.dq), self._followable(target, speed)
         if not self.waits:
             motion = self._offset.added_to(target)
-            if not (barred or (asked <= followable and self._off_m(motion.q, sent.q) <= LEFT_M)):
+            if not (barred or (asked <= followable and self._beside_m(motion, sent.q) <= LEFT_M)):
                 self._s, self._pace = 0.0, min(self._path.pace(motion.dq), self._path.pace(sent.dq))
                 self._path.begin(motion.q, hand_ns, 0.0, motion.dq, self._pace)
             return motion
@@ -157,6 +159,13 @@ class WaitingTarget:
             square = min(square + 2 * after.gain * (after.s - knots[k].s), after.bend, knots[k].bend)
             after = knots[k]
         return math.sqrt(min(square + 2 * after.gain * max(after.s - self._s, 0.0), after.bend))
+
+    def _beside_m(self, target: JointMotion, at: Array) -> float:
+        """How far a tool is off the way of its target: behind the target it is late, but on its way."""
+        jacobian = self._model.jacobian(at)[:3]
+        off, moved = jacobian @ (target.q - at), jacobian @ target.dq
+        along = float(off @ moved) / max(math.hypot(*moved.tolist()), SLOW_M_S)
+        return math.sqrt(max(float(off @ off) - along * along, 0.0))
 
     def _near(self, q: Array, at: Array) -> float:
         """How near the tool is to its place on the path: 1 where the path goes on as it can, 0 where it waits."""
