@@ -14,7 +14,7 @@ Rate = Callable[[float, list[float], list[float]], float]
 
 
 class DecayingOffset:
-    """Joins a motion to a target without a jump; `rate` finds one that all joints can follow (`target_predictor.py`)."""
+    """Joins a motion to a target without a jump; `rate` finds one that all joints can follow."""
 
     def __init__(self, rate: Rate, dt: float) -> None:
         self._choose_rate, self._dt = rate, dt
