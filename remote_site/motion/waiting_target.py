@@ -18,14 +18,14 @@ from remote_site.motion.target_predictor import JointBounds
 STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does
 HARDEST = 0.7  # the same, to brake on the path for what was not foreseen
 HAND_M_S2, BEYOND_M = 2.0, 0.008  # how a hand stops, and how far one joint alone may take the tool beyond
-
-
-LEFT_M = 0.003  # a tool so far off its target has left its path
+LEFT_M = 0.003  # so far beside its way a tool has left it
+CANCELLED_M = 0.0015  # so far off its target, it soon leaves its way where joints cancel each other
 NEAR_M, FAR_M = 0.001, 0.005  # a path waits for a tool that is off it: the more, the farther
 CLOSE_RAD, CLOSE_PACE = 0.07, 0.1  # of the target, in every joint, and of full speed: what can be made up for
 MADE_UP = 0.6  # of the joints' accelerations, for that
 CATCH_UP = 2.0  # times as fast as after a hold: the hand is there, and sees it
 SURE = 2.0  # the end of the path is passed at the hand's own pace, if this times as much can be followed; then at less
+CANCEL = 2.0  # a joint alone would move the tool so much faster: joints cancel, as near a stretched elbow
 SLOW, SLOW_M_S = 0.01, 0.01  # of full speed; of a tool that moves nowhere
 HELD_S = 0.5  # off a path that waits: something else keeps the arm from it, as an obstacle does
 LONGEST_S = 1.0  # at full speed: what is left of the path; it takes two to three times as long
@@ -80,7 +80,7 @@ class WaitingTarget:
         asked, followable = self._path.pace(target.dq), self._followable(target, speed)
         if not self.waits:
             motion = self._offset.added_to(target)
-            if not (barred or (asked <= followable and self._beside_m(motion, sent.q) <= LEFT_M)):
+            if not (barred or (asked <= followable and not self._left(motion, sent.q))):
                 self._s, self._pace = 0.0, min(self._path.pace(motion.dq), self._path.pace(sent.dq))
                 self._path.begin(motion.q, hand_ns, 0.0, motion.dq, self._pace)
             return motion
@@ -132,12 +132,15 @@ class WaitingTarget:
         knots, s, former = self._path.knots, self._s, self._pace
         q, slope, bend = on_the_curve(knots[0], knots[1], s)
         own = knots[0].own + part_of(knots[0], knots[1], s) * (knots[1].own - knots[0].own)
-        end = asked * min(max(SURE * (1.0 - asked / followable), 0.0), 1.0)
+        end = 0.0 if self._halted else asked * min(max(SURE * (1.0 - asked / followable), 0.0), 1.0)
         most = _catching_up(knots[1], max(own, asked))
         most = min(most, TARGET_SPEED * speed, self._brakable(end)) * self._near(q, sent.q)
         self._advance(most, knots[1].gain)
         while len(knots) > 2 and knots[1].s <= self._s:
             knots.popleft()
+        last = knots[-1]
+        if self._s >= last.s:  # until the hand's next sample comes, on beside the target
+            self._path.begin(last.q, last.t_ns, last.s, last.chord, last.own)
         return JointMotion(q, former * slope, (self._pace - former) / self._dt * slope + former * former * bend)
 
     def _advance(self, most: float, gain: float) -> float:
@@ -160,12 +163,19 @@ class WaitingTarget:
             after = knots[k]
         return math.sqrt(min(square + 2 * after.gain * max(after.s - self._s, 0.0), after.bend))
 
-    def _beside_m(self, target: JointMotion, at: Array) -> float:
-        """How far a tool is off the way of its target: behind the target it is late, but on its way."""
+    def _left(self, target: JointMotion, at: Array) -> bool:
+        """Whether the tool has left its way, or is about to.
+
+        One that is behind its target is late, but on its way: what counts is how far it is beside it. Where the joints'
+        own motions cancel, as near a stretched elbow, what they lag soon leads beside the way.
+        """
         jacobian = self._model.jacobian(at)[:3]
-        off, moved = jacobian @ (target.q - at), jacobian @ target.dq
-        along = float(off @ moved) / max(math.hypot(*moved.tolist()), SLOW_M_S)
-        return math.sqrt(max(float(off @ off) - along * along, 0.0))
+        off, moved = jacobian @ (target.q - at), jacobian * target.dq
+        velocity = moved.sum(axis=1)
+        speed = max(math.hypot(*velocity.tolist()), SLOW_M_S)
+        alone = math.sqrt(float((moved * moved).sum(axis=0).max()))
+        along = float(off @ velocity) / speed if alone < CANCEL * speed else 0.0
+        return float(off @ off) - along * along > (LEFT_M if alone < CANCEL * speed else CANCELLED_M) ** 2
 
     def _near(self, q: Array, at: Array) -> float:
         """How near the tool is to its place on the path: 1 where the path goes on as it can, 0 where it waits."""
