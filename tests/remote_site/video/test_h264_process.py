@@ -29,7 +29,7 @@ class Moving:
 
     noise_free = False
 
-    def __init__(self, name: str, _open_it: object) -> None:
+    def __init__(self, name: str, _open_it: object, _lost: object) -> None:
         self.name = name
         self._seq = 0
 
