@@ -115,7 +115,7 @@ class Staging:
             yield
         except (InterruptionError, OSError):
             raise
-        except Exception:
+        except Exception:  # whatever it was, it would fail again, and is raised
             shutil.rmtree(self.folder)
             raise
 

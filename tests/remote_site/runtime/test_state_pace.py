@@ -37,18 +37,13 @@ def test_a_long_link_and_one_not_known_yet_get_what_two_packets_per_round_trip_c
     assert 0.5 <= used <= 0.85
 
 
-def test_a_change_is_sent_immediately_and_once() -> None:
+@pytest.mark.parametrize(("before", "after"), [(FOLLOWS, HOLDS), (STOPPED, STOPPED_AGAIN)])
+def test_a_change_and_a_stop_behind_another_one_are_sent_immediately_and_once(
+    before: tuple[SessionState, Code, int], after: tuple[SessionState, Code, int]
+) -> None:
     pace = StatePace()
-    assert pace.is_due(0, FOLLOWS, 120.0)
+    assert pace.is_due(0, before, 120.0)
     pace.sent(650)
-    assert not pace.is_due(20 * NS_PER_MS, FOLLOWS, 120.0)
-    assert pace.is_due(40 * NS_PER_MS, HOLDS, 120.0)
-    assert not pace.is_due(60 * NS_PER_MS, HOLDS, 120.0)
-
-
-def test_a_stop_behind_another_one_is_sent_immediately() -> None:
-    pace = StatePace()
-    assert pace.is_due(0, STOPPED, 120.0)
-    pace.sent(650)
-    assert not pace.is_due(20 * NS_PER_MS, STOPPED, 120.0)
-    assert pace.is_due(40 * NS_PER_MS, STOPPED_AGAIN, 120.0)
+    assert not pace.is_due(20 * NS_PER_MS, before, 120.0)
+    assert pace.is_due(40 * NS_PER_MS, after, 120.0)
+    assert not pace.is_due(60 * NS_PER_MS, after, 120.0)

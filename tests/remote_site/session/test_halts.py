@@ -54,14 +54,14 @@ def test_a_reset_clears_no_stop_that_came_after_what_its_sender_was_shown(gap_ms
 
 def test_a_reset_in_the_tick_of_a_stop_leaves_the_arm_stopped():
     loop = RemoteLoop()
-    loop.run(300, lambda t_ns: (0.0, 0.0, 0.3))  # noqa: ARG005
+    loop.run(300, lambda _t_ns: (0.0, 0.0, 0.3))
     loop.ask(STOP)
     loop.run(200)
     seen_ns, holder = loop.snapshot.halted_ns, operator_of(7)
     requests = SessionRequest(STOP, MAINTENANCE, maintenance=True), SessionRequest(RESET, holder, seen_ns=seen_ns)
     loop.tick(requests=requests)
     assert [answer.done for answer in loop.snapshot.answers] == [True, False]
-    loop.run(100, lambda t_ns: (0.0, 0.0, 0.3))  # noqa: ARG005
+    loop.run(100, lambda _t_ns: (0.0, 0.0, 0.3))
     assert loop.ask(ENGAGE).reason.code is Code.STOPPED
 
 

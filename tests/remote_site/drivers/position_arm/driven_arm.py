@@ -51,6 +51,13 @@ class DrivenArm:
         self.driver.activate(self.reading().q)
         return self
 
+    def activate_again(self, ms: float) -> None:
+        """Activate the arm where it is read, and command it to stay there for so long."""
+        q = self.reading().q
+        self.driver.activate(q)
+        self.command(0.0, at=q)
+        self.turns(ms)
+
     def command(
         self,
         ahead_rad: float,

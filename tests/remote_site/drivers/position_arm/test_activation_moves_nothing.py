@@ -85,10 +85,7 @@ def test_an_arm_that_hangs_below_its_goal_sinks_by_no_activation(kind: type[Serv
     for _ in range(5):
         driven.driver.stop()
         driven.turns(500)
-        q = driven.reading().q
-        driven.driver.activate(q)
-        driven.command(0.0, at=q)
-        driven.turns(600)
+        driven.activate_again(600)
     assert driven.arm.q == pytest.approx(hung, abs=1e-6)
 
 
@@ -124,10 +121,7 @@ def test_an_arm_that_is_misread_by_no_more_than_it_can_hang_stays_where_it_is(ki
     driven.arm.off = 0.04
     driven.turns(500)
     rested = driven.arm.q.copy()
-    q = driven.reading().q
-    driven.driver.activate(q)
-    driven.command(0.0, at=q)
-    driven.turns(300)
+    driven.activate_again(300)
     assert driven.arm.q == pytest.approx(rested, abs=1e-6)
 
 
@@ -140,10 +134,7 @@ def test_an_arm_that_was_stopped_in_motion_is_activated_where_it_rests(kind: typ
     driven.turns(1500)
     rested = driven.arm.q.copy()
     assert abs(rested[0] - START[0]) > 0.1
-    q = driven.reading().q
-    driven.driver.activate(q)
-    driven.command(0.0, at=q)
-    driven.turns(300)
+    driven.activate_again(300)
     assert driven.arm.q == pytest.approx(rested, abs=0.01)
 
 
@@ -155,10 +146,7 @@ def test_an_arm_that_was_stopped_before_it_was_where_it_was_sent_stays_where_it_
     driven.turns(500)
     rested = driven.arm.q.copy()
     assert 0.005 < START[0] + 0.3 - rested[0] < 0.05
-    q = driven.reading().q
-    driven.driver.activate(q)
-    driven.command(0.0, at=q)
-    driven.turns(100)
+    driven.activate_again(100)
     assert driven.arm.q == pytest.approx(rested, abs=1e-6)
 
 
@@ -167,10 +155,7 @@ def test_an_arm_that_is_led_to_rest_hangs_where_it_was_led() -> None:
     driven.driver.stop()
     driven.turns(1500)
     rested = driven.arm.q.copy()
-    q = driven.reading().q
-    driven.driver.activate(q)
-    driven.command(0.0, at=q)
-    driven.turns(300)
+    driven.activate_again(300)
     assert driven.arm.q == pytest.approx(rested, abs=1e-6)
 
 
