@@ -14,6 +14,8 @@ from remote_site.kinematics.model import ArmModel
 PLANNED, BENT = 0.6, 0.7  # of the joints' accelerations: to brake ahead with, and for the bends themselves
 SHORTEST_S = 1e-4  # nearer to each other, two solutions are one
 NOTHING = 1e-9
+WRIST_ROLLS = [3, 5]  # joints 4 and 6 hardly move the tool, but swing far where the wrist is straight:
+COUNTED = 0.2  # so much of their speed is waited for
 SOONEST_NS = 4 * NS_PER_MS  # between two solutions, for the hand's own speed
 
 
@@ -22,9 +24,10 @@ class Knot:
     """A place on the path, and the segment that ends there.
 
     The path is measured by `s`, the seconds that it takes at full speed: on it, the joint that needs most time for a
-    segment moves at its greatest velocity. `chord` (n,) is the segment's dq/ds in rad/s, `tangent` (n,) that in the
-    place itself, `tool` how far the tool moves (m) and turns (rad) per s there, `own` the hand's own ds/dt. `gain` is
-    the greatest d²s/dt² that is planned along the segment, `bend` the greatest (ds/dt)².
+    segment moves at its greatest velocity, or 4 and 6 at several times that. `chord` (n,) is the segment's dq/ds in
+    rad/s, `tangent` (n,) that in the place itself, `tool` how far the tool moves (m) and turns (rad) per s there,
+    `own` the hand's own ds/dt. `gain` is the greatest d²s/dt² that is planned along the segment, `bend` the greatest
+    (ds/dt)².
     """
 
     q: Array
@@ -43,7 +46,9 @@ class JointPath:
 
     def __init__(self, model: ArmModel, limits: JointLimits) -> None:
         self._model = model
-        self._velocity, self._acceleration = limits.velocity, limits.acceleration
+        self._velocity, self._acceleration = limits.velocity.copy(), limits.acceleration.copy()
+        self._velocity[WRIST_ROLLS] /= COUNTED
+        self._acceleration[WRIST_ROLLS] /= COUNTED
         self.knots: deque[Knot] = deque()
 
     def pace(self, dq: Array) -> float:

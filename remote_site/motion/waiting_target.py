@@ -12,7 +12,7 @@ from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.catch_up import BOUNDS
 from remote_site.motion.decaying_offset import DecayingOffset
-from remote_site.motion.joint_path import NOTHING, PLANNED, JointPath, Knot, on_the_curve, part_of
+from remote_site.motion.joint_path import NOTHING, PLANNED, WRIST_ROLLS, JointPath, Knot, on_the_curve, part_of
 from remote_site.motion.target_predictor import JointBounds
 
 STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does
@@ -108,7 +108,7 @@ class WaitingTarget:
         pace = self._path.pace(target.dq)
         if pace <= SLOW:
             return TARGET_SPEED * speed
-        moved = self._model.jacobian(target.q)[:3] * target.dq
+        moved = self._lever(target.q) * target.dq
         alone = math.sqrt(float((moved * moved).sum(axis=0).max()))
         stops_s = math.hypot(*moved.sum(axis=1).tolist()) / (2 * HAND_M_S2) + BEYOND_M / max(alone, NOTHING)
         gain = STOPPING / PLANNED * self._path.gain(target.dq / pace)
@@ -169,7 +169,7 @@ class WaitingTarget:
         One that is behind its target is late, but on its way: what counts is how far it is beside it. Where the joints'
         own motions cancel, as near a stretched elbow, what they lag soon leads beside the way.
         """
-        jacobian = self._model.jacobian(at)[:3]
+        jacobian = self._lever(at)
         off, moved = jacobian @ (target.q - at), jacobian * target.dq
         velocity = moved.sum(axis=1)
         speed = max(math.hypot(*velocity.tolist()), SLOW_M_S)
@@ -185,7 +185,13 @@ class WaitingTarget:
         away = q - at
         if float(np.sum(np.abs(away))) < NEAR_M:  # by which joints hardly take the tool off
             return 0.0
-        return math.hypot(*(self._model.jacobian(at)[:3] @ away).tolist())
+        return math.hypot(*(self._lever(at) @ away).tolist())
+
+    def _lever(self, q: Array) -> Array:
+        """How far each joint takes the tool (3, n) in m/rad; one that rolls the wrist is not waited for."""
+        lever: Array = self._model.jacobian(q)[:3]
+        lever[:, WRIST_ROLLS] = 0.0
+        return lever
 
 
 def _catching_up(to: Knot, own: float) -> float:
