@@ -10,12 +10,15 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
+from remote_site.motion.tool_shift import NOTHING, WRIST_ROLLS
 
 PLANNED, BENT = 0.6, 0.7  # of the joints' accelerations: to brake ahead with, and for the bends themselves
 SHORTEST_S = 1e-4  # nearer to each other, two solutions are one
-NOTHING = 1e-9
-WRIST_ROLLS = [3, 5]  # joints 4 and 6 hardly move the tool, but swing far where the wrist is straight:
-COUNTED = 0.2  # so much of their speed is waited for
+COUNTED = 0.2  # of the speed of joints that roll the wrist: so much is waited for
+AVERAGED_NS, AVERAGED_S = (
+    100 * NS_PER_MS,
+    0.03,
+)  # of the hand's way and of the path, at most: against noise
 SOONEST_NS = 4 * NS_PER_MS  # between two solutions, for the hand's own speed
 
 
@@ -50,6 +53,12 @@ class JointPath:
         self._velocity[WRIST_ROLLS] /= COUNTED
         self._acceleration[WRIST_ROLLS] /= COUNTED
         self.knots: deque[Knot] = deque()
+        self._newest: deque[tuple[Array, int]] = deque()
+
+    def clear(self) -> None:
+        """No path."""
+        self.knots.clear()
+        self._newest.clear()
 
     def pace(self, dq: Array) -> float:
         """The ds/dt of joints that move with `dq` (n,) rad/s."""
@@ -63,8 +72,17 @@ class JointPath:
         self.knots.append(self._knot(q, t_ns, s, chord, own))
 
     def add(self, q: Array, t_ns: int) -> None:
-        """Lead on to `q`, unless the path knows a later place already."""
+        """Lead on to `q`, unless the path knows a later place already.
+
+        Noise bends the path, and bends are taken slowly. So a path that leads far ahead leads to an average.
+        """
         knots, last = self.knots, self.knots[-1]
+        self._newest.append((q, t_ns))
+        while t_ns - self._newest[0][1] > AVERAGED_NS or self.pace(q - self._newest[0][0]) > AVERAGED_S:
+            self._newest.popleft()
+        if len(knots) > 2 and t_ns - knots[1].t_ns > AVERAGED_NS:
+            q = np.mean([place for place, _ in self._newest], axis=0)
+            t_ns = sum(at_ns for _, at_ns in self._newest) // len(self._newest)
         if t_ns <= last.t_ns:
             return
         knot = self.straight_on(q, t_ns)

@@ -12,8 +12,9 @@ from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.catch_up import BOUNDS
 from remote_site.motion.decaying_offset import DecayingOffset
-from remote_site.motion.joint_path import NOTHING, PLANNED, WRIST_ROLLS, JointPath, Knot, on_the_curve, part_of
+from remote_site.motion.joint_path import COUNTED, PLANNED, JointPath, Knot, on_the_curve, part_of
 from remote_site.motion.target_predictor import JointBounds
+from remote_site.motion.tool_shift import NOTHING, WRIST_ROLLS, ToolShift
 
 STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does
 HARDEST = 0.7  # the same, to brake on the path for what was not foreseen
@@ -25,6 +26,8 @@ CLOSE_RAD, CLOSE_PACE = 0.07, 0.1  # of the target, in every joint, and of full 
 MADE_UP = 0.6  # of the joints' accelerations, for that
 CATCH_UP = 2.0  # times as fast as after a hold: the hand is there, and sees it
 SURE = 2.0  # the end of the path is passed at the hand's own pace, if this times as much can be followed; then at less
+STRETCHED, MORE_STRETCHED = 2.2, 2.9  # elbows bent by less than some 60 and 40 degrees, as `ToolShift.stretch`
+QUICK_M_S = 0.25  # slower, a tool that the noise of the samples takes off comes back
 CANCEL = 2.0  # a joint alone would move the tool so much faster: joints cancel, as near a stretched elbow
 SLOW, SLOW_M_S = 0.01, 0.01  # of full speed; of a tool that moves nowhere
 HELD_S = 0.5  # off a path that waits: something else keeps the arm from it, as an obstacle does
@@ -40,7 +43,7 @@ class WaitingTarget:
     """
 
     def __init__(self, model: ArmModel, limits: JointLimits, dt: float) -> None:
-        self._model, self._dt = model, dt
+        self._tool, self._dt = ToolShift(model), dt
         self._path = JointPath(model, limits)
         gentle = replace(limits, acceleration=MADE_UP * limits.acceleration)
         self._offset = DecayingOffset(JointBounds(model, gentle, SLOW).convergence, dt)
@@ -48,7 +51,7 @@ class WaitingTarget:
 
     def reset(self) -> None:
         """Wait no longer."""
-        self._path.knots.clear()
+        self._path.clear()
         self._offset.reset()
         self._s = self._pace = 0.0
         self._halted, self._held_s = False, 0.0
@@ -80,13 +83,13 @@ class WaitingTarget:
         asked, followable = self._path.pace(target.dq), self._followable(target, speed)
         if not self.waits:
             motion = self._offset.added_to(target)
-            if not (barred or (asked <= followable and not self._left(motion, sent.q))):
+            if not barred and self._must_wait(motion, target, sent, too_fast=asked > followable):
                 self._s, self._pace = 0.0, min(self._path.pace(motion.dq), self._path.pace(sent.dq))
                 self._path.begin(motion.q, hand_ns, 0.0, motion.dq, self._pace)
             return motion
         alone = len(self._path.knots) == 1
         motion = self._alongside(target, sent, speed) if alone else self._walk(asked, followable, sent, speed)
-        off_m = self._off_m(motion.q, sent.q)
+        off_m = self._tool.between_m(motion.q, sent.q)
         self._held_s = self._held_s + self._dt if off_m >= FAR_M and self._pace == 0.0 else 0.0
         caught_up = off_m <= NEAR_M and asked <= followable and self._is_close(motion, target)
         if barred or caught_up or self._held_s > HELD_S:
@@ -96,8 +99,9 @@ class WaitingTarget:
 
     def _is_close(self, motion: JointMotion, target: JointMotion) -> bool:
         """Whether what is left to the target is so little that it need not be on the path."""
-        far = float(np.max(np.abs(motion.q - target.q)))
-        return far < CLOSE_RAD and self._path.pace(motion.dq - target.dq) < CLOSE_PACE
+        far = np.abs(motion.q - target.q)
+        far[WRIST_ROLLS] *= COUNTED
+        return float(far.max()) < CLOSE_RAD and self._path.pace(motion.dq - target.dq) < CLOSE_PACE
 
     def _followable(self, target: JointMotion, speed: float) -> float:
         """The greatest pace that the joints can follow, and from which they stop soon enough if the hand stops.
@@ -108,9 +112,8 @@ class WaitingTarget:
         pace = self._path.pace(target.dq)
         if pace <= SLOW:
             return TARGET_SPEED * speed
-        moved = self._lever(target.q) * target.dq
-        alone = math.sqrt(float((moved * moved).sum(axis=0).max()))
-        stops_s = math.hypot(*moved.sum(axis=1).tolist()) / (2 * HAND_M_S2) + BEYOND_M / max(alone, NOTHING)
+        tool_m_s, alone_m_s = self._tool.together_and_alone(target.q, target.dq)
+        stops_s = tool_m_s / (2 * HAND_M_S2) + BEYOND_M / max(alone_m_s, NOTHING)
         gain = STOPPING / PLANNED * self._path.gain(target.dq / pace)
         return min(TARGET_SPEED * speed, 2 * gain * stops_s)
 
@@ -163,35 +166,29 @@ class WaitingTarget:
             after = knots[k]
         return math.sqrt(min(square + 2 * after.gain * max(after.s - self._s, 0.0), after.bend))
 
+    def _must_wait(self, motion: JointMotion, target: JointMotion, sent: JointMotion, *, too_fast: bool) -> bool:
+        """Whether joints will take the tool off its way: where the elbow is bent, what they lag leads along it."""
+        if not too_fast and not self._left(motion, sent.q):
+            return False
+        stretch = max(self._tool.stretch(sent.q), self._tool.stretch(target.q))
+        quick = too_fast or self._tool.speed_m_s(target.q, target.dq) >= QUICK_M_S
+        return stretch > (STRETCHED if quick else MORE_STRETCHED)
+
     def _left(self, target: JointMotion, at: Array) -> bool:
         """Whether the tool has left its way, or is about to.
 
         One that is behind its target is late, but on its way: what counts is how far it is beside it. Where the joints'
         own motions cancel, as near a stretched elbow, what they lag soon leads beside the way.
         """
-        jacobian = self._lever(at)
-        off, moved = jacobian @ (target.q - at), jacobian * target.dq
-        velocity = moved.sum(axis=1)
+        off, velocity = self._tool.lever(at) @ (target.q - at), self._tool.lever(at) @ target.dq
         speed = max(math.hypot(*velocity.tolist()), SLOW_M_S)
-        alone = math.sqrt(float((moved * moved).sum(axis=0).max()))
-        along = float(off @ velocity) / speed if alone < CANCEL * speed else 0.0
-        return float(off @ off) - along * along > (LEFT_M if alone < CANCEL * speed else CANCELLED_M) ** 2
+        cancels = self._tool.together_and_alone(at, target.dq)[1] >= CANCEL * speed
+        along = 0.0 if cancels else float(off @ velocity) / speed
+        return float(off @ off) - along * along > (CANCELLED_M if cancels else LEFT_M) ** 2
 
     def _near(self, q: Array, at: Array) -> float:
         """How near the tool is to its place on the path: 1 where the path goes on as it can, 0 where it waits."""
-        return min(max((FAR_M - self._off_m(q, at)) / (FAR_M - NEAR_M), 0.0), 1.0)
-
-    def _off_m(self, q: Array, at: Array) -> float:
-        away = q - at
-        if float(np.sum(np.abs(away))) < NEAR_M:  # by which joints hardly take the tool off
-            return 0.0
-        return math.hypot(*(self._lever(at) @ away).tolist())
-
-    def _lever(self, q: Array) -> Array:
-        """How far each joint takes the tool (3, n) in m/rad; one that rolls the wrist is not waited for."""
-        lever: Array = self._model.jacobian(q)[:3]
-        lever[:, WRIST_ROLLS] = 0.0
-        return lever
+        return min(max((FAR_M - self._tool.between_m(q, at)) / (FAR_M - NEAR_M), 0.0), 1.0)
 
 
 def _catching_up(to: Knot, own: float) -> float:
