@@ -88,6 +88,7 @@ TARGETS = (
         planner=8,
         target_predictor=14,
         target_tracker=8,
+        tool_shift=6,
         waiting_target=14,
     ),
     *_targets(REMOTE / "motion", LEASH, leash=12),

@@ -15,10 +15,8 @@ from remote_site.motion.tool_shift import NOTHING, WRIST_ROLLS
 PLANNED, BENT = 0.6, 0.7  # of the joints' accelerations: to brake ahead with, and for the bends themselves
 SHORTEST_S = 1e-4  # nearer to each other, two solutions are one
 COUNTED = 0.2  # of the speed of joints that roll the wrist: so much is waited for
-AVERAGED_NS, AVERAGED_S = (
-    100 * NS_PER_MS,
-    0.03,
-)  # of the hand's way and of the path, at most: against noise
+AVERAGED_NS, AVERAGED_S = 100 * NS_PER_MS, 0.03  # of the hand's way and of the path, at most, against noise;
+AVERAGED = 0.25  # or so much of the time that the path leads ahead, if that is longer
 SOONEST_NS = 4 * NS_PER_MS  # between two solutions, for the hand's own speed
 
 
@@ -74,15 +72,10 @@ class JointPath:
     def add(self, q: Array, t_ns: int) -> None:
         """Lead on to `q`, unless the path knows a later place already.
 
-        Noise bends the path, and bends are taken slowly. So a path that leads far ahead leads to an average.
+        Noise bends the path, and bends are taken slowly. So a path that leads far ahead goes on to averages.
         """
         knots, last = self.knots, self.knots[-1]
-        self._newest.append((q, t_ns))
-        while t_ns - self._newest[0][1] > AVERAGED_NS or self.pace(q - self._newest[0][0]) > AVERAGED_S:
-            self._newest.popleft()
-        if len(knots) > 2 and t_ns - knots[1].t_ns > AVERAGED_NS:
-            q = np.mean([place for place, _ in self._newest], axis=0)
-            t_ns = sum(at_ns for _, at_ns in self._newest) // len(self._newest)
+        q, t_ns = self._averaged(q, t_ns)
         if t_ns <= last.t_ns:
             return
         knot = self.straight_on(q, t_ns)
@@ -96,6 +89,18 @@ class JointPath:
             last.tangent = (last.chord * latter + knot.chord * former) / (former + latter)
             last.bend = self._bend(before, last)
         knot.bend = self._bend(last, knot)
+
+    def _averaged(self, q: Array, t_ns: int) -> tuple[Array, int]:
+        """The newest solutions' mean and its time, if the path leads far ahead of where the target is."""
+        newest, knots = self._newest, self.knots
+        newest.append((q, t_ns))
+        ahead_ns = t_ns - knots[1].t_ns if len(knots) > 2 else 0
+        window_ns = max(AVERAGED_NS, AVERAGED * ahead_ns)
+        while t_ns - newest[0][1] > window_ns or self.pace(q - newest[0][0]) > AVERAGED_S:
+            newest.popleft()
+        if ahead_ns <= AVERAGED_NS:
+            return q, t_ns
+        return np.mean([place for place, _ in newest], axis=0), sum(at_ns for _, at_ns in newest) // len(newest)
 
     def straight_on(self, q: Array, t_ns: int) -> Knot:
         """A knot at `q` after the last one, not added."""

@@ -170,9 +170,11 @@ class WaitingTarget:
         """Whether joints will take the tool off its way: where the elbow is bent, what they lag leads along it."""
         if not too_fast and not self._left(motion, sent.q):
             return False
-        stretch = max(self._tool.stretch(sent.q), self._tool.stretch(target.q))
         quick = too_fast or self._tool.speed_m_s(target.q, target.dq) >= QUICK_M_S
-        return stretch > (STRETCHED if quick else MORE_STRETCHED)
+        return self._stretch(sent, target) > (STRETCHED if quick else MORE_STRETCHED)
+
+    def _stretch(self, here: JointMotion, target: JointMotion) -> float:
+        return max(self._tool.stretch(here.q), self._tool.stretch(target.q))
 
     def _left(self, target: JointMotion, at: Array) -> bool:
         """Whether the tool has left its way, or is about to.

@@ -16,15 +16,17 @@ from tests.remote_site.remote_loop import TICK_NS, arm
 DT = TICK_NS / 1e9
 MODEL, LIMITS = arm()
 START = RemoteConfig().robot.start
+BENT = START + np.radians([0.0, 0.0, -45.0, 0.0, 0.0, 0.0])
+SHOULDER, ELBOW, WRIST_ROLL = np.eye(6)[[1, 2, 3]]
 SAMPLE_TICKS = 8
 
 
 class Way:
     """A hand's way along one direction of the joints, and the target that an arm follows exactly, or not at all."""
 
-    def __init__(self, direction: Array) -> None:
-        self.waiting, self.direction = WaitingTarget(MODEL, LIMITS, DT), direction
-        self.sent, self.ticks = JointMotion.at_rest(START), 0
+    def __init__(self, direction: Array, start: Array = START) -> None:
+        self.waiting, self.direction, self.start = WaitingTarget(MODEL, LIMITS, DT), direction, start
+        self.sent, self.ticks = JointMotion.at_rest(start), 0
         self.motions: list[JointMotion] = []
 
     def go(self, rad: float, rad_s: float, *, ticks: int = 1, follows: bool = True, barred: bool = False) -> None:
@@ -32,8 +34,8 @@ class Way:
         for _ in range(ticks):
             now_ns = self.ticks * TICK_NS
             if self.ticks % SAMPLE_TICKS == 0:
-                self.waiting.add(START + rad * self.direction, now_ns)
-            target = JointMotion(START + rad * self.direction, rad_s * self.direction, np.zeros(6))
+                self.waiting.add(self.start + rad * self.direction, now_ns)
+            target = JointMotion(self.start + rad * self.direction, rad_s * self.direction, np.zeros(6))
             motion = self.waiting.follow(now_ns, target, self.sent, 1.0, barred=barred)
             self.motions.append(motion)
             self.sent = motion if follows else self.sent
@@ -42,12 +44,12 @@ class Way:
 
     def places(self) -> Array:
         """Where the target was along the direction (n,) in rad."""
-        return np.array([(motion.q - START) @ self.direction for motion in self.motions])
+        return np.array([(motion.q - self.start) @ self.direction for motion in self.motions])
 
 
 @pytest.fixture
 def elbow() -> Way:
-    return Way(np.eye(6)[2])
+    return Way(ELBOW)
 
 
 def test_a_target_that_the_joints_can_follow_passes_as_it_is(elbow: Way) -> None:
@@ -68,6 +70,25 @@ def test_a_target_faster_than_the_joints_is_late_on_its_way_and_no_joint_brakes_
     assert places.max() < 40 * 4.0 * DT + 0.01
     assert places[-1] == pytest.approx(40 * 4.0 * DT, abs=1e-3)
     assert not elbow.waiting.waits
+
+
+@pytest.mark.parametrize(("direction", "start"), [(WRIST_ROLL, START), (-ELBOW, BENT)])
+def test_neither_the_wrists_roll_nor_a_bent_elbow_is_waited_for(direction: Array, start: Array) -> None:
+    way = Way(direction, start)
+    way.go(0.0, 0.0, ticks=8)
+    way.go(0.0, 4.0, ticks=40, follows=False)
+    assert not way.waiting.waits
+    assert way.places()[-1] == pytest.approx(39 * 4.0 * DT)
+
+
+@pytest.mark.parametrize(("rad_s", "start", "waits"), [(0.2, START, False), (0.7, START, True), (0.7, BENT, False)])
+def test_a_tool_beside_its_way_is_waited_for_where_it_is_quick_and_the_elbow_not_bent(
+    rad_s: float, start: Array, waits: bool
+) -> None:
+    waiting = WaitingTarget(MODEL, LIMITS, DT)
+    beside = JointMotion.at_rest(start + 0.02 * SHOULDER)
+    waiting.follow(0, JointMotion(start, rad_s * ELBOW, np.zeros(6)), beside, 1.0)
+    assert waiting.waits is waits
 
 
 def test_what_the_hand_goes_back_and_forth_is_gone_after_it_and_not_cut_short(elbow: Way) -> None:
@@ -116,14 +137,25 @@ def test_bends_of_the_path_are_smooth_and_the_sharper_the_slower() -> None:
     slowest = []
     for turn in (0.1, 0.5, 1.5):
         path = JointPath(MODEL, LIMITS)
-        path.begin(START, 0, 0.0, np.eye(6)[2], 0.0)
-        path.add(START + 0.05 * np.eye(6)[2], 10 * NS_PER_MS)
-        path.add(
-            START + 0.05 * np.eye(6)[2] + 0.05 * np.array([0, math.sin(turn), math.cos(turn), 0, 0, 0]), 20 * NS_PER_MS
-        )
+        path.begin(START, 0, 0.0, ELBOW, 0.0)
+        path.add(START + 0.05 * ELBOW, 10 * NS_PER_MS)
+        path.add(START + 0.05 * ELBOW + 0.05 * np.array([0, math.sin(turn), math.cos(turn), 0, 0, 0]), 20 * NS_PER_MS)
         knots = path.knots
         slowest.append(min(knot.bend for knot in knots))
         before, after = on_the_curve(knots[0], knots[1], knots[1].s), on_the_curve(knots[1], knots[2], knots[1].s)
         assert np.allclose(before[0], after[0])
         assert np.allclose(before[1], after[1])
     assert slowest[0] > slowest[1] > slowest[2]
+
+
+def test_a_path_that_is_far_behind_is_smooth_whatever_the_samples_noise() -> None:
+    rng, step_ms = np.random.default_rng(3), 16
+    path = JointPath(MODEL, LIMITS)
+    path.begin(START, 0, 0.0, ELBOW, 0.0)
+    for k in range(1, 60):
+        path.add(START + 0.01 * k * ELBOW + 0.002 * rng.standard_normal(6), k * step_ms * NS_PER_MS)
+    knots = list(path.knots)
+    soon = [knot.bend for knot in knots[1:] if knot.t_ns <= 100 * NS_PER_MS]
+    later = [knot.bend for knot in knots[1:-1] if knot.t_ns > 250 * NS_PER_MS]
+    assert np.median(later) > 4 * np.median(soon)
+    assert knots[-1].q[2] - START[2] == pytest.approx(0.59, abs=0.06)

@@ -68,7 +68,7 @@ def test_a_cut_of_300_ms_holds_the_arm_which_follows_within_1_s() -> None:
 
 def test_no_joint_is_ever_faster_than_the_age_limit_in_force_allows() -> None:
     def fast(t_s: float) -> Point:
-        return circle(t_s, radius_m=0.13, hz=0.6)
+        return circle(t_s, radius_m=0.09, hz=0.7)
 
     run = engaged_over(FarLink(5, longer=(6.0, 60.0)), 12.0, fast)
     log = run.loop.log[-len(run.limits_ms) :]
