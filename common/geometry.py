@@ -92,6 +92,13 @@ def vector_from_rotation(rotation: Array) -> Array:
     return np.array([x * scale, y * scale, z * scale])
 
 
+def pose_between(begin: Array, end: Array, fraction: float) -> Array:
+    """The pose (4 x 4) at a fraction of the straight way between two, turned by the same fraction."""
+    turn = vector_from_rotation(begin[:3, :3].T @ end[:3, :3])
+    position = begin[:3, 3] + fraction * (end[:3, 3] - begin[:3, 3])
+    return transform(begin[:3, :3] @ rotation_from_vector(fraction * turn), position)
+
+
 def angle_between(a_R_b: Array, a_R_c: Array) -> float:
     """The angle in rad, at most pi, between two orientations (3 x 3): twice that of the chord between them."""
     chord = math.dist(a_R_b.ravel().tolist(), a_R_c.ravel().tolist())

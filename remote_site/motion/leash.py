@@ -2,7 +2,7 @@
 
 import math
 
-from common.geometry import Array, angle_between, rotation_from_vector, transform, vector_from_rotation
+from common.geometry import Array, angle_between, pose_between
 from remote_site.reasons import Code, Reason, reason
 
 EXACT = 1e-9  # m or rad: rounding is no lead
@@ -33,18 +33,18 @@ class Leash:
         """The wanted target drawn towards the tool as sent until it is within both limits."""
         distance, angle = _way(wanted, sent)
         within = self._distance_m / max(distance, self._distance_m), self._angle_rad / max(angle, self._angle_rad)
-        return wanted if min(within) >= 1.0 else _between(sent, wanted, min(within))
+        return wanted if min(within) >= 1.0 else pose_between(sent, wanted, min(within))
 
     def _led_on(self, former: Array, target: Array, measured: Array) -> Array:
         """The last pose on the way to a target that is not farther from the measured tool than is allowed."""
         least, most = 0.0, 1.0
         for _ in range(HALVINGS):
             fraction = (least + most) / 2
-            if self._reaches(_between(former, target, fraction), measured, former):
+            if self._reaches(pose_between(former, target, fraction), measured, former):
                 least = fraction
             else:
                 most = fraction
-        return _between(former, target, least)
+        return pose_between(former, target, least)
 
     def _reaches(self, target: Array, measured: Array, former: Array) -> bool:
         """Whether a target is within both limits of the measured tool, or no farther from it than the former one."""
@@ -55,10 +55,3 @@ class Leash:
 def _way(a: Array, b: Array) -> tuple[float, float]:
     """The distance in m and the angle in rad between two poses (4 x 4)."""
     return math.dist(a[:3, 3].tolist(), b[:3, 3].tolist()), angle_between(a[:3, :3], b[:3, :3])
-
-
-def _between(begin: Array, end: Array, fraction: float) -> Array:
-    """The pose (4 x 4) at a fraction of the straight way between two, turned by the same fraction."""
-    turn = vector_from_rotation(begin[:3, :3].T @ end[:3, :3])
-    position = begin[:3, 3] + fraction * (end[:3, 3] - begin[:3, 3])
-    return transform(begin[:3, :3] @ rotation_from_vector(fraction * turn), position)

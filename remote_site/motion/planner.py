@@ -29,6 +29,7 @@ class MotionPlanner:
         self._hindrance: Reason | None = None
         self._obstacle: Reason | None = None
         self._slowing = FULL
+        self._near, self._barred = 1.0, False
         self._unjudged = 0
 
     @property
@@ -44,6 +45,7 @@ class MotionPlanner:
         """Start again from a target that rests at `q` (n,) rad since `t_ns`."""
         self._tracker.reset(t_ns, q)
         self._hindrance, self._slowing, self._unjudged = None, FULL, 0
+        self._near, self._barred = 1.0, False
 
     def aim(self, target: ToolSample, q: Array) -> None:
         """Take a new target of the tool, for an arm at `q` (n,) rad."""
@@ -61,8 +63,10 @@ class MotionPlanner:
         `speed_scale` is the fraction of full speed that is allowed, `aimed` whether a target came in this tick.
         """
         self._jerk_limited.reset(sent)
-        target = self._tracker.at(now_ns, sent.q)
+        pace = self._slowing.fraction * self._near * speed_scale  # as in the tick before
+        target = self._tracker.at(now_ns, sent, pace, barred=self._barred)
         aside = self._avoidance.turn_aside(sent.q, target)
+        self._near, self._barred = aside.speed, aside.reason is not None
         if self._unjudged > aimed:  # deferred by one tick to bound tick time: aiming is the expensive one
             self._slowing, self._unjudged = self._dexterity.slowing(sent.q, target.q), 0
         self._obstacle = aside.reason or self._slowing.reason

@@ -134,6 +134,11 @@ class TargetPredictor:
         self._catch_up = CatchUp(self._predict_ns, self._bounds.tool_speed)
         self.reset(0, np.zeros(size))
 
+    @property
+    def delay_ns(self) -> int:
+        """How long ago the hand was where the target is."""
+        return self._delay_ns
+
     def reset(self, t_ns: int, q: Array) -> None:
         """A target that rests at `q` (n,) since `t_ns`."""
         self._haste = Haste()

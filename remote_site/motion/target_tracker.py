@@ -11,13 +11,14 @@ from common.errors import ModelError
 from common.geometry import Array, transform, unwound
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.differential import DifferentialInverse, Move
-from remote_site.kinematics.inverse import Solution, SphericalWristInverse
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse, Unreachable
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
-from remote_site.kinematics.paced_inverse import PacedInverse
+from remote_site.kinematics.path_inverse import PathInverse
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_predictor import SLOWEST, TargetPredictor, joint_target_predictor
+from remote_site.motion.waiting_target import WaitingTarget
 from remote_site.reasons import Code, Reason, reason
 
 UNWIND_S = 5.0  # 1/s: how fast a target that the joints do not follow comes back to them
@@ -51,22 +52,25 @@ class TargetTracker(Protocol):
     """Turns targets of the tool into targets of the joints.
 
     `aim` takes a new target for an arm at `q` (n,) rad; the answer is why it cannot be reached.
-    `at` is asked once per tick: how the joints' target moves, for an arm at `q`.
+    `at` is asked once per tick: how the joints' target moves, for an arm that `sent` leads at the fraction `speed` of
+    its full speed; `barred` while an obstacle keeps the arm from it.
     """
 
     def reset(self, t_ns: int, q: Array) -> None: ...
 
     def aim(self, target: ToolSample, q: Array) -> Reason | None: ...
 
-    def at(self, now_ns: int, q: Array) -> JointMotion: ...
+    def at(self, now_ns: int, sent: JointMotion, speed: float, *, barred: bool = False) -> JointMotion: ...
 
 
 class ClosedFormTracker:
-    """The closed form at every sample, and a predicted joint target between samples."""
+    """The closed form at every sample, and a predicted joint target between samples that waits for the joints."""
 
-    def __init__(self, model: ArmModel, inverse: PacedInverse, predictor: TargetPredictor) -> None:
+    def __init__(
+        self, model: ArmModel, inverse: PathInverse, predictor: TargetPredictor, waiting: WaitingTarget
+    ) -> None:
         self._model, self._inverse = model, inverse
-        self._predictor = predictor
+        self._predictor, self._waiting = predictor, waiting
         self._solved_ns = 0
 
     def reset(self, t_ns: int, q: Array) -> None:
@@ -74,6 +78,7 @@ class ClosedFormTracker:
         self._solved_ns = t_ns
         self._inverse.reset(self._model.forward(q), q)
         self._predictor.reset(t_ns, q)
+        self._waiting.reset()
 
     def aim(self, target: ToolSample, q: Array) -> Reason | None:
         """Solve for the target; without a solution the joints keep the one before. The elbow follows the branch.
@@ -82,9 +87,9 @@ class ClosedFormTracker:
         arm is, and the target would swing with the arm.
         """
         del q
-        elapsed_s = min(max((target.t_ns - self._solved_ns) / NS_PER_S, SHORTEST_S), LONGEST_S)
-        solution = self._inverse.towards(target.base_T_target, elapsed_s, max(target.speed, SLOWEST))
+        solution = self._solved(target)
         if not isinstance(solution, Solution):
+            self._waiting.halt(self._inverse.q)
             self._predictor.hear(target.now_ns, target.stretch)
             return solution.reason
         self._solved_ns = target.t_ns
@@ -92,10 +97,23 @@ class ClosedFormTracker:
         self._predictor.aim(target.t_ns, solution.q, target.now_ns, stretch=stretch, spare=spare, speed=speed)
         return None
 
-    def at(self, now_ns: int, q: Array) -> JointMotion:
-        """The predicted target, whatever the arm's posture."""
-        del q
-        return JointMotion(*self._predictor.at(now_ns))
+    def _solved(self, target: ToolSample) -> Solution | Unreachable:
+        """The target's solution; while the joints' target waits, it gets those on the way too."""
+        elapsed_s = min(max((target.t_ns - self._solved_ns) / NS_PER_S, SHORTEST_S), LONGEST_S)
+        speed = max(target.speed, SLOWEST)
+        if not self._waiting.waits:
+            return self._inverse.to(target.base_T_target, elapsed_s, speed)
+        found = self._inverse.along(target.base_T_target, elapsed_s, speed)
+        if isinstance(found, Unreachable):
+            return found
+        for left, solution in zip(reversed(range(len(found))), found, strict=True):
+            self._waiting.add(solution.q, target.t_ns - round(left * elapsed_s / len(found) * NS_PER_S))
+        return found[-1]
+
+    def at(self, now_ns: int, sent: JointMotion, speed: float, *, barred: bool = False) -> JointMotion:
+        """The predicted target, or that on its path, whatever the arm's posture."""
+        target, hand_ns = JointMotion(*self._predictor.at(now_ns)), now_ns - self._predictor.delay_ns
+        return self._waiting.follow(hand_ns, target, sent, max(speed, SLOWEST), barred=barred)
 
 
 class DifferentialTracker:
@@ -136,8 +154,10 @@ class DifferentialTracker:
         self._elbow = elbow if elbow is not None else self._elbow
         return self._off
 
-    def at(self, now_ns: int, q: Array) -> JointMotion:
+    def at(self, now_ns: int, sent: JointMotion, speed: float, *, barred: bool = False) -> JointMotion:
         """One step towards the predicted target, from joints that never run away from the arm."""
+        del speed, barred
+        q = sent.q
         pose, rate, _ = self._predictor.at(now_ns)
         target = transform(pin.exp3(pose[3:]) @ self._turned_from, pose[:3])
         twist = np.concatenate([rate[:3], pin.Jexp3(pose[3:]).T @ rate[3:]])
@@ -167,4 +187,5 @@ def choose_target_tracker(
         return DifferentialTracker(robot, control, model, limits)
     inverse.check_branch(robot.start)
     predictor = joint_target_predictor(model, limits, control)
-    return ClosedFormTracker(model, PacedInverse(inverse, limits), predictor)
+    waiting = WaitingTarget(model, limits, 1.0 / control.rate_hz)
+    return ClosedFormTracker(model, PathInverse(inverse), predictor, waiting)

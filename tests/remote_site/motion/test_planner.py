@@ -38,7 +38,7 @@ class Aims:
         self.aimed.append((target, q))
         return self.unreached
 
-    def at(self, now_ns, q):  # noqa: ARG002  # as trackers are asked
+    def at(self, now_ns, sent, speed, *, barred):  # noqa: ARG002  # as trackers are asked
         return JointMotion.at_rest(self.q_target)
 
 

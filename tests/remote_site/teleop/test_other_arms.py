@@ -8,6 +8,7 @@ from common.errors import ModelError
 from common.geometry import vector_from_rotation
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import BranchConfig, RobotConfig, SolverConfig
+from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, ToolSample, choose_target_tracker
 from remote_site.reasons import Code
@@ -180,7 +181,7 @@ def test_a_target_that_is_not_finite_moves_nothing(value):
         tracker.aim(ToolSample(10**8, 10**8, model.forward(start), np.array([value, 0.0, 0.0]), None), start).code
         is Code.NOT_A_POSE
     )
-    target = tracker.at(2 * 10**8, start)
+    target = tracker.at(2 * 10**8, JointMotion.at_rest(start), 1.0)
     assert np.abs(target.q - start).max() < 1e-9
     assert np.abs(target.dq).max() < 1e-6
 
@@ -194,7 +195,7 @@ def test_a_joint_outside_its_limits_is_brought_back_and_none_goes_out():
     tracker.aim(ToolSample(4 * 10**6, 4 * 10**6, model.forward(start), None, None), start)
     q = start
     for k in range(400):
-        target = tracker.at((k + 2) * 4 * 10**6, q)
+        target = tracker.at((k + 2) * 4 * 10**6, JointMotion.at_rest(q), 1.0)
         q = target.q
         assert np.isfinite(q).all()
         assert (np.abs(target.dq) <= limits.velocity).all()

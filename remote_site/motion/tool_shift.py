@@ -1,0 +1,56 @@
+"""How far joints move the tool, each alone and all together, and where they cancel each other; pure."""
+
+import math
+
+import numpy as np
+
+from common.geometry import Array
+from remote_site.kinematics.model import ArmModel
+
+WRIST_ROLLS = [3, 5]  # joints 4 and 6 hardly move the tool, but swing far where the wrist is straight
+NOTHING = 1e-9
+
+
+class ToolShift:
+    """The way of the tool's position with the joints of an arm with a spherical wrist.
+
+    Joints 4 and 6 count only for `speed_m_s`.
+    """
+
+    def __init__(self, model: ArmModel) -> None:
+        self._model = model
+
+    def lever(self, q: Array) -> Array:
+        """How far each joint moves the tool (3, n) in m/rad at `q` (n,) rad."""
+        lever = self._model.jacobian(q)[:3]
+        lever[:, WRIST_ROLLS] = 0.0
+        return lever
+
+    def speed_m_s(self, q: Array, dq: Array) -> float:
+        """How fast the tool moves when the joints are at `q` and move with `dq`."""
+        return math.hypot(*(self._model.jacobian(q)[:3] @ dq).tolist())
+
+    def together_and_alone(self, q: Array, dq: Array) -> tuple[float, float]:
+        """The tool's speed in m/s with joints at `q` that move with `dq`, and the greatest that it has by one alone."""
+        moved = self.lever(q) * dq
+        return math.hypot(*moved.sum(axis=1).tolist()), math.sqrt(float((moved * moved).sum(axis=0).max()))
+
+    def between_m(self, q: Array, at: Array) -> float:
+        """How far the tool is from where it would be at `q`, for joints near there at `at`."""
+        away = q - at
+        if float(np.sum(np.abs(away))) < NOTHING:
+            return 0.0
+        return math.hypot(*(self.lever(at) @ away).tolist())
+
+    def stretch(self, q: Array) -> float:
+        """How many times faster than the tool, at most, one joint alone moves it while the others take it back.
+
+        At least 1; without bound where the elbow is straight. For the columns a, b, c of joints 1 to 3, a alone moves
+        it by up to |a| |b x c| / |det| per way of the tool, and so on. From their products, |b x c|^2 is bb cc - bc bc,
+        and det^2 their determinant.
+        """
+        lever = self.lever(q)[:, :3]
+        (aa, ab, ac), (_, bb, bc), (_, _, cc) = (lever.T @ lever).tolist()
+        det = aa * (bb * cc - bc * bc) - ab * (ab * cc - bc * ac) + ac * (ab * bc - bb * ac)
+        most = max(aa * (bb * cc - bc * bc), bb * (aa * cc - ac * ac), cc * (aa * bb - ab * ab))
+        return math.sqrt(max(most, 0.0) / max(det, NOTHING**2))

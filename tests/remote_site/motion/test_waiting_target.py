@@ -1,0 +1,161 @@
+"""A joint target that waits: on the hand's path, no faster than the joints, and not where nothing asks for it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from common.clock import NS_PER_MS
+from common.geometry import Array
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.joints import JointMotion
+from remote_site.motion.joint_path import JointPath, on_the_curve
+from remote_site.motion.waiting_target import HELD_S, WaitingTarget
+from tests.remote_site.remote_loop import TICK_NS, arm
+
+DT = TICK_NS / 1e9
+MODEL, LIMITS = arm()
+START = RemoteConfig().robot.start
+BENT = START + np.radians([0.0, 0.0, -45.0, 0.0, 0.0, 0.0])
+SHOULDER, ELBOW, WRIST_ROLL = np.eye(6)[[1, 2, 3]]
+SAMPLE_TICKS = 8
+
+
+class Way:
+    """A hand's way along one direction of the joints, and the target that an arm follows exactly, or not at all."""
+
+    def __init__(self, direction: Array, start: Array = START) -> None:
+        self.waiting, self.direction, self.start = WaitingTarget(MODEL, LIMITS, DT), direction, start
+        self.sent, self.ticks = JointMotion.at_rest(start), 0
+        self.motions: list[JointMotion] = []
+
+    def go(self, rad: float, rad_s: float, *, ticks: int = 1, follows: bool = True, barred: bool = False) -> None:
+        """The hand is at `rad` along the direction, moving, for so many ticks."""
+        for _ in range(ticks):
+            now_ns = self.ticks * TICK_NS
+            if self.ticks % SAMPLE_TICKS == 0:
+                self.waiting.add(self.start + rad * self.direction, now_ns)
+            target = JointMotion(self.start + rad * self.direction, rad_s * self.direction, np.zeros(6))
+            motion = self.waiting.follow(now_ns, target, self.sent, 1.0, barred=barred)
+            self.motions.append(motion)
+            self.sent = motion if follows else self.sent
+            self.ticks += 1
+            rad += rad_s * DT
+
+    def places(self) -> Array:
+        """Where the target was along the direction (n,) in rad."""
+        return np.array([(motion.q - self.start) @ self.direction for motion in self.motions])
+
+
+@pytest.fixture
+def elbow() -> Way:
+    return Way(ELBOW)
+
+
+def test_a_target_that_the_joints_can_follow_passes_as_it_is(elbow: Way) -> None:
+    elbow.go(0.0, 0.2, ticks=100)
+    assert not elbow.waiting.waits
+    assert np.allclose(elbow.places(), 0.2 * DT * np.arange(100))
+
+
+def test_a_target_faster_than_the_joints_is_late_on_its_way_and_no_joint_brakes_harder_than_it_can(elbow: Way) -> None:
+    elbow.go(0.0, 0.0, ticks=8)
+    elbow.go(0.0, 4.0, ticks=40)  # more than the joint's own 3.14 rad/s
+    assert elbow.waiting.waits
+    elbow.go(40 * 4.0 * DT, 0.0, ticks=400)
+    places = elbow.places()
+    speeds = np.diff(places[9:]) / DT
+    assert speeds.max() < LIMITS.velocity[2]
+    assert np.abs(np.diff(speeds)).max() < 1.05 * LIMITS.acceleration[2] * DT
+    assert places.max() < 40 * 4.0 * DT + 0.01
+    assert places[-1] == pytest.approx(40 * 4.0 * DT, abs=1e-3)
+    assert not elbow.waiting.waits
+
+
+@pytest.mark.parametrize(("direction", "start"), [(WRIST_ROLL, START), (-ELBOW, BENT)])
+def test_neither_the_wrists_roll_nor_a_bent_elbow_is_waited_for(direction: Array, start: Array) -> None:
+    way = Way(direction, start)
+    way.go(0.0, 0.0, ticks=8)
+    way.go(0.0, 4.0, ticks=40, follows=False)
+    assert not way.waiting.waits
+    assert way.places()[-1] == pytest.approx(39 * 4.0 * DT)
+
+
+@pytest.mark.parametrize(("rad_s", "start", "waits"), [(0.2, START, False), (0.7, START, True), (0.7, BENT, False)])
+def test_a_tool_beside_its_way_is_waited_for_where_it_is_quick_and_the_elbow_not_bent(
+    rad_s: float, start: Array, waits: bool
+) -> None:
+    waiting = WaitingTarget(MODEL, LIMITS, DT)
+    beside = JointMotion.at_rest(start + 0.02 * SHOULDER)
+    waiting.follow(0, JointMotion(start, rad_s * ELBOW, np.zeros(6)), beside, 1.0)
+    assert waiting.waits is waits
+
+
+def test_what_the_hand_goes_back_and_forth_is_gone_after_it_and_not_cut_short(elbow: Way) -> None:
+    elbow.go(0.0, 0.0, ticks=8)
+    elbow.go(0.0, 4.0, ticks=40)
+    elbow.go(0.64, -4.0, ticks=40)
+    elbow.go(0.0, 0.0, ticks=600)
+    assert elbow.places().max() == pytest.approx(0.64, abs=0.05)
+    assert elbow.places()[-1] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_target_that_waits_for_the_tool_stands_until_it_comes_then_gives_up(elbow: Way) -> None:
+    elbow.go(0.0, 0.0, ticks=8)
+    elbow.go(0.0, 4.0, ticks=40, follows=False)
+    place = elbow.places()[-1]
+    assert place < 0.2
+    held = round(HELD_S / DT)
+    elbow.go(0.64, 0.0, ticks=held - 45, follows=False)
+    assert elbow.places()[-1] == pytest.approx(place, abs=0.05)
+    elbow.go(0.64, 0.0, ticks=400, follows=False)
+    assert elbow.places()[-1] > 0.6
+
+
+def test_a_barred_target_does_not_wait(elbow: Way) -> None:
+    elbow.go(0.0, 0.0, ticks=8)
+    elbow.go(0.0, 4.0, ticks=40, follows=False, barred=True)
+    assert not elbow.waiting.waits
+    elbow.go(0.64, 0.0, follows=False)
+    assert elbow.waiting.waits
+    elbow.go(0.64, 0.0, ticks=2, follows=False, barred=True)
+    assert not elbow.waiting.waits
+
+
+def test_a_hand_out_of_reach_is_led_to_the_last_solution_and_no_further(elbow: Way) -> None:
+    elbow.go(0.0, 0.0, ticks=8)
+    elbow.go(0.0, 4.0, ticks=4)
+    elbow.waiting.halt(START + 0.3 * elbow.direction)
+    for k in range(200):
+        target = JointMotion.at_rest(START + 0.8 * elbow.direction)  # a prediction that no sample bears out
+        elbow.sent = elbow.waiting.follow((12 + k) * TICK_NS, target, elbow.sent, 1.0)
+        assert (elbow.sent.q - START) @ elbow.direction < 0.31
+    assert (elbow.sent.q - START) @ elbow.direction == pytest.approx(0.3, abs=0.01)
+
+
+def test_bends_of_the_path_are_smooth_and_the_sharper_the_slower() -> None:
+    slowest = []
+    for turn in (0.1, 0.5, 1.5):
+        path = JointPath(MODEL, LIMITS)
+        path.begin(START, 0, 0.0, ELBOW, 0.0)
+        path.add(START + 0.05 * ELBOW, 10 * NS_PER_MS)
+        path.add(START + 0.05 * ELBOW + 0.05 * np.array([0, math.sin(turn), math.cos(turn), 0, 0, 0]), 20 * NS_PER_MS)
+        knots = path.knots
+        slowest.append(min(knot.bend for knot in knots))
+        before, after = on_the_curve(knots[0], knots[1], knots[1].s), on_the_curve(knots[1], knots[2], knots[1].s)
+        assert np.allclose(before[0], after[0])
+        assert np.allclose(before[1], after[1])
+    assert slowest[0] > slowest[1] > slowest[2]
+
+
+def test_a_path_that_is_far_behind_is_smooth_whatever_the_samples_noise() -> None:
+    rng, step_ms = np.random.default_rng(3), 16
+    path = JointPath(MODEL, LIMITS)
+    path.begin(START, 0, 0.0, ELBOW, 0.0)
+    for k in range(1, 60):
+        path.add(START + 0.01 * k * ELBOW + 0.002 * rng.standard_normal(6), k * step_ms * NS_PER_MS)
+    knots = list(path.knots)
+    soon = [knot.bend for knot in knots[1:] if knot.t_ns <= 100 * NS_PER_MS]
+    later = [knot.bend for knot in knots[1:-1] if knot.t_ns > 250 * NS_PER_MS]
+    assert np.median(later) > 4 * np.median(soon)
+    assert knots[-1].q[2] - START[2] == pytest.approx(0.59, abs=0.06)
