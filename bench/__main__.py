@@ -42,6 +42,7 @@ from bench.tracking import comparison as tracking
 from bench.tracking import monocular
 from bench.video import views as video
 from bench.wan import run as wan
+from bench.wan.links import FULL, LINKS
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "cells": cells.measure,
@@ -64,7 +65,12 @@ RESULTS = Path("build") / "bench.json"
 
 def main(names: list[str]) -> None:
     """Run the named benchmarks; without names, all."""
-    words = [name for name in names if name.startswith("--")]
+    if {"-h", "--help"} & set(names):
+        print(__doc__)
+        return
+    words = [name for name in names if name.startswith("-")]
+    if strange := [word for word in words if word != FULL and not word.startswith(LINKS)]:
+        sys.exit(f"no such option: {', '.join(strange)}; there are {FULL}, {LINKS}LINK,... and --help")
     benchmarks = BENCHMARKS | {"wan": partial(wan.measure, *words)}
     names = [name for name in names if name not in words]
     unknown = set(names) - set(BENCHMARKS)
