@@ -40,6 +40,6 @@ class DecayingOffset:
         push, decay = self._dq_off + rate * self._off, math.exp(-rate * dt)
         left = self._off + dt * push
         off, dq_off = self._off, self._dq_off = decay * left, decay * (push - rate * left)
-        if float(np.max(np.abs(off))) < NOTHING_RAD:
+        if float(np.max(np.abs(off))) < NOTHING_RAD and float(np.max(np.abs(dq_off))) < NOTHING_RAD * rate:
             self.reset()
         return JointMotion(target.q + off, target.dq + dq_off, target.ddq - rate * (2 * dq_off + rate * off))

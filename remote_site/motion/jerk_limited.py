@@ -47,7 +47,7 @@ class JerkLimitedTracker:
         try:
             self._ruckig.reset()
             result = self._ruckig.update(self._input, planned)
-        except RuckigError as error:
+        except (RuckigError, ValueError) as error:  # ValueError: Ruckig's results have one that its Python enum lacks
             return reason(Code.NO_TRAJECTORY, reason=str(error))
         if result not in PLANNED:
             return reason(Code.NO_TRAJECTORY, reason=result.name)

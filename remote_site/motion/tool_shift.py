@@ -45,7 +45,7 @@ class ToolShift:
     def stretch(self, q: Array) -> float:
         """How many times faster than the tool, at most, one joint alone moves it while the others take it back.
 
-        At least 1; without bound where the elbow is straight. For the columns a, b, c of joints 1 to 3, a alone moves
+        At least 1; infinite where the elbow is straight. For the columns a, b, c of joints 1 to 3, a alone moves
         it by up to |a| |b x c| / |det| per way of the tool, and so on. From their products, |b x c|^2 is bb cc - bc bc,
         and det^2 their determinant.
         """
@@ -53,4 +53,4 @@ class ToolShift:
         (aa, ab, ac), (_, bb, bc), (_, _, cc) = (lever.T @ lever).tolist()
         det = aa * (bb * cc - bc * bc) - ab * (ab * cc - bc * ac) + ac * (ab * bc - bb * ac)
         most = max(aa * (bb * cc - bc * bc), bb * (aa * cc - ac * ac), cc * (aa * bb - ab * ab))
-        return math.sqrt(max(most, 0.0) / max(det, NOTHING**2))
+        return math.sqrt(most / det) if det > NOTHING**2 else math.inf

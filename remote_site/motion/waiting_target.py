@@ -26,12 +26,13 @@ CLOSE_RAD, CLOSE_PACE = 0.07, 0.1  # of the target, in every joint, and of full 
 MADE_UP = 0.6  # of the joints' accelerations, for that
 CATCH_UP = 2.0  # times as fast as after a hold: the hand is there, and sees it
 SURE = 2.0  # the end of the path is passed at the hand's own pace, if this times as much can be followed; then at less
-STRETCHED, MORE_STRETCHED = 2.2, 2.9  # elbows bent by less than some 60 and 40 degrees, as `ToolShift.stretch`
+STRETCHED, MORE_STRETCHED = 2.2, 2.9  # `ToolShift.stretch`; before the arm, elbows bent by some 60 and 40 degrees
 QUICK_M_S = 0.25  # slower, a tool that the noise of the samples takes off comes back
 CANCEL = 2.0  # a joint alone would move the tool so much faster: joints cancel, as near a stretched elbow
 SLOW, SLOW_M_S = 0.01, 0.01  # of full speed; of a tool that moves nowhere
 HELD_S = 0.5  # off a path that waits: something else keeps the arm from it, as an obstacle does
-LONGEST_S = 1.0  # at full speed: what is left of the path; it takes two to three times as long
+LONGEST_S = 1.0  # at the speed that is allowed: what is left of the path; with many bends it takes six times as long
+MOST_KNOTS = 300  # each costs every tick some 0.25 us
 
 
 class WaitingTarget:
@@ -54,6 +55,7 @@ class WaitingTarget:
         self._path.clear()
         self._offset.reset()
         self._s = self._pace = 0.0
+        self._speed = 1.0
         self._halted, self._held_s = False, 0.0
 
     @property
@@ -61,15 +63,20 @@ class WaitingTarget:
         """Whether it is on its path, not where the hand asks."""
         return bool(self._path.knots)
 
+    @property
+    def ahead_s(self) -> float:
+        """What is left of the path, in s at full speed."""
+        return self._path.knots[-1].s - self._s if self.waits else 0.0
+
     def add(self, q: Array, t_ns: int) -> None:
         """Take a solution (n,) in rad on the hand's way at `t_ns`; a target that does not wait needs none."""
-        if self.waits and self._path.knots[-1].s - self._s < LONGEST_S:
+        if self.waits and len(self._path.knots) < MOST_KNOTS and self.ahead_s < LONGEST_S * self._speed:
             self._path.add(q, t_ns)
         self._halted = False
 
     def halt(self, q: Array) -> None:
         """Take `q` (n,) in rad as the end of the hand's way: the hand is where the arm cannot reach."""
-        self._halted = True
+        self._halted = self.waits
         if len(self._path.knots) == 1:
             self._path.add(q, self._path.knots[0].t_ns + 1)
 
@@ -80,6 +87,7 @@ class WaitingTarget:
 
         `hand_ns` is when the hand was where the target is. A target whose arm is `barred` from it does not wait.
         """
+        self._speed = speed
         asked, followable = self._path.pace(target.dq), self._followable(target, speed)
         if not self.waits:
             motion = self._offset.added_to(target)
@@ -120,11 +128,12 @@ class WaitingTarget:
     def _alongside(self, target: JointMotion, sent: JointMotion, speed: float) -> JointMotion:
         """One tick on beside the target, while the hand's sample of this moment has not come yet.
 
-        Not onto the target: it is a prediction, and may turn back.
+        Not onto the target: it is a prediction, and may turn back. Then it brakes first.
         """
         here, asked, former = self._path.knots[0], self._path.pace(target.dq), self._pace
-        slope = target.dq / asked if asked > SLOW else here.chord
-        most = 0.0 if self._halted else min(asked, TARGET_SPEED * speed) * self._near(here.q, sent.q)
+        onward = asked > SLOW and (former <= SLOW or float(target.dq @ here.chord) > 0.0)
+        slope = target.dq / asked if onward else here.chord
+        most = 0.0 if self._halted or not onward else min(asked, TARGET_SPEED * speed) * self._near(here.q, sent.q)
         gone = self._advance(most, self._path.gain(slope))
         t_ns = here.t_ns + round(min(gone / max(asked, SLOW), self._dt) * NS_PER_S)
         self._path.begin(here.q + gone * slope, t_ns, self._s, slope, asked)

@@ -231,3 +231,16 @@ def test_a_target_that_is_not_finite_gives_a_reason_and_no_motion():
     assert result.code is Code.NO_TRAJECTORY
     assert np.array_equal(follower.motion.q, START)
     assert isinstance(follower.track(JointMotion.at_rest(START + 0.1)), JointMotion)
+
+
+def test_a_joint_at_full_speed_against_its_target_gives_a_motion_or_a_reason_and_never_an_error():
+    follower, reasons = JerkLimitedTracker(LIMITS, DT), set()
+    shoulder = np.eye(6)[1]
+    for speed in np.linspace(-3.14, -2.0, 12):
+        for target in np.linspace(2.0, 2.8, 5):
+            for change in (4.0, 10.0, 30.0):
+                follower.reset(JointMotion(START, speed * shoulder, np.zeros(6)))
+                goal = JointMotion(START + 0.02 * shoulder, target * shoulder, change * shoulder)
+                if isinstance(planned := follower.track(goal), Reason):
+                    reasons.add(planned.code)
+    assert reasons == {Code.NO_TRAJECTORY}  # some have none: the arm stops

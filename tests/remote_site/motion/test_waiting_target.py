@@ -10,6 +10,7 @@ from common.geometry import Array
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.joint_path import JointPath, on_the_curve
+from remote_site.motion.tool_shift import ToolShift
 from remote_site.motion.waiting_target import HELD_S, WaitingTarget
 from tests.remote_site.remote_loop import TICK_NS, arm
 
@@ -131,6 +132,46 @@ def test_a_hand_out_of_reach_is_led_to_the_last_solution_and_no_further(elbow: W
         elbow.sent = elbow.waiting.follow((12 + k) * TICK_NS, target, elbow.sent, 1.0)
         assert (elbow.sent.q - START) @ elbow.direction < 0.31
     assert (elbow.sent.q - START) @ elbow.direction == pytest.approx(0.3, abs=0.01)
+
+
+def test_a_refusal_before_a_wait_slows_no_wait(elbow: Way) -> None:
+    elbow.go(0.0, 0.0, ticks=8)
+    elbow.waiting.halt(START)
+    target = JointMotion(START, 4.0 * ELBOW, np.zeros(6))
+    for k in range(100):
+        elbow.sent = elbow.waiting.follow(k * TICK_NS, target, elbow.sent, 1.0)
+    assert elbow.waiting.waits
+    assert elbow.sent.dq[2] > 0.4 * LIMITS.velocity[2]
+
+
+def test_a_prediction_that_turns_back_is_braked_for_first(elbow: Way) -> None:
+    elbow.go(0.0, 0.0, ticks=8)
+    target = JointMotion(START, 4.0 * ELBOW, np.zeros(6))
+    for k in range(20):
+        elbow.sent = elbow.waiting.follow(k * TICK_NS, target, elbow.sent, 1.0)
+    target = JointMotion(target.q, -1.0 * ELBOW, np.zeros(6))
+    before = elbow.sent.dq[2]
+    for k in range(20, 60):
+        elbow.sent = elbow.waiting.follow(k * TICK_NS, target, elbow.sent, 1.0)
+        assert abs(elbow.sent.dq[2] - before) < 2.0 * LIMITS.acceleration[2] * DT
+        before = elbow.sent.dq[2]
+
+
+@pytest.mark.parametrize("speed", [0.3, 0.1])
+def test_a_path_is_no_longer_than_a_second_at_the_speed_that_is_allowed(speed: float) -> None:
+    waiting, there = WaitingTarget(MODEL, LIMITS, DT), JointMotion.at_rest(START)
+    for k in range(2000):
+        rad = 0.3 * math.sin(14.0 * k * DT)
+        target = JointMotion(START + rad * ELBOW, 4.2 * math.cos(14.0 * k * DT) * ELBOW, np.zeros(6))
+        if k % SAMPLE_TICKS == 0:
+            waiting.add(target.q, k * TICK_NS)
+        there = waiting.follow(k * TICK_NS, target, there, speed)
+    assert waiting.waits
+    assert 0.8 * speed < waiting.ahead_s < speed + 0.2
+
+
+def test_an_arm_that_stands_straight_up_is_stretched() -> None:
+    assert ToolShift(MODEL).stretch(np.zeros(6)) == math.inf
 
 
 def test_bends_of_the_path_are_smooth_and_the_sharper_the_slower() -> None:
