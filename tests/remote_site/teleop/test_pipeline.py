@@ -158,7 +158,7 @@ def test_the_tool_never_rests_outside_the_workspace():
         return (0.6 * np.sin(1.5 * t), 0.4 * np.sin(1.1 * t), 0.3 + 0.5 * np.sin(1.9 * t))
 
     begin_ns = loop.clock.now_ns()
-    loop.run(3000, sweep)
+    loop.run(4000, sweep)
     assert_within_limits(loop)
     tools = [loop.model.forward(motion.q)[:3, 3] for motion in loop.log]
     assert max(workspace(loop.config).excess(tool) for tool in tools) < 0.002
