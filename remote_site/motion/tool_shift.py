@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from common.geometry import Array
 from remote_site.kinematics.model import ArmModel
 
@@ -30,17 +28,9 @@ class ToolShift:
         """How fast the tool moves when the joints are at `q` and move with `dq`."""
         return math.hypot(*(self._model.jacobian(q)[:3] @ dq).tolist())
 
-    def together_and_alone(self, q: Array, dq: Array) -> tuple[float, float]:
-        """The tool's speed in m/s with joints at `q` that move with `dq`, and the greatest that it has by one alone."""
-        moved = self.lever(q) * dq
-        return math.hypot(*moved.sum(axis=1).tolist()), math.sqrt(float((moved * moved).sum(axis=0).max()))
-
     def between_m(self, q: Array, at: Array) -> float:
         """How far the tool is from where it would be at `q`, for joints near there at `at`."""
-        away = q - at
-        if float(np.sum(np.abs(away))) < NOTHING:
-            return 0.0
-        return math.hypot(*(self.lever(at) @ away).tolist())
+        return math.hypot(*(self.lever(at) @ (q - at)).tolist())
 
     def stretch(self, q: Array) -> float:
         """How many times faster than the tool, at most, one joint alone moves it while the others take it back.
@@ -54,3 +44,8 @@ class ToolShift:
         det = aa * (bb * cc - bc * bc) - ab * (ab * cc - bc * ac) + ac * (ab * bc - bb * ac)
         most = max(aa * (bb * cc - bc * bc), bb * (aa * cc - ac * ac), cc * (aa * bb - ab * ab))
         return math.sqrt(most / det) if det > NOTHING**2 else math.inf
+
+
+def fastest_alone(moved: Array) -> float:
+    """The greatest speed in m/s that one joint alone gives the tool, from each joint's part (3, n) of its velocity."""
+    return math.sqrt(float((moved * moved).sum(axis=0).max()))

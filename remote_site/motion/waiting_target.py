@@ -14,7 +14,7 @@ from remote_site.motion.catch_up import BOUNDS
 from remote_site.motion.decaying_offset import DecayingOffset
 from remote_site.motion.joint_path import COUNTED, PLANNED, JointPath, Knot, on_the_curve, part_of
 from remote_site.motion.target_predictor import JointBounds
-from remote_site.motion.tool_shift import NOTHING, WRIST_ROLLS, ToolShift
+from remote_site.motion.tool_shift import NOTHING, WRIST_ROLLS, ToolShift, fastest_alone
 
 STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does
 HARDEST = 0.7  # the same, to brake on the path for what was not foreseen
@@ -120,8 +120,9 @@ class WaitingTarget:
         pace = self._path.pace(target.dq)
         if pace <= SLOW:
             return TARGET_SPEED * speed
-        tool_m_s, alone_m_s = self._tool.together_and_alone(target.q, target.dq)
-        stops_s = tool_m_s / (2 * HAND_M_S2) + BEYOND_M / max(alone_m_s, NOTHING)
+        moved = self._tool.lever(target.q) * target.dq
+        tool_m_s = math.hypot(*moved.sum(axis=1).tolist())
+        stops_s = tool_m_s / (2 * HAND_M_S2) + BEYOND_M / max(fastest_alone(moved), NOTHING)
         gain = STOPPING / PLANNED * self._path.gain(target.dq / pace)
         return min(TARGET_SPEED * speed, 2 * gain * stops_s)
 
@@ -191,9 +192,11 @@ class WaitingTarget:
         One that is behind its target is late, but on its way: what counts is how far it is beside it. Where the joints'
         own motions cancel, as near a stretched elbow, what they lag soon leads beside the way.
         """
-        off, velocity = self._tool.lever(at) @ (target.q - at), self._tool.lever(at) @ target.dq
+        lever = self._tool.lever(at)
+        off, moved = lever @ (target.q - at), lever * target.dq
+        velocity = moved.sum(axis=1)
         speed = max(math.hypot(*velocity.tolist()), SLOW_M_S)
-        cancels = self._tool.together_and_alone(at, target.dq)[1] >= CANCEL * speed
+        cancels = fastest_alone(moved) >= CANCEL * speed
         along = 0.0 if cancels else float(off @ velocity) / speed
         return float(off @ off) - along * along > (CANCELLED_M if cancels else LEFT_M) ** 2
 
