@@ -28,6 +28,8 @@ AHEAD_RAD = 0.2
 CONFORMS_S = 900.0
 UNDECIDED = 3
 TICK_MS = 4
+TRIES = 5
+PAUSE_MS = 16  # between two setpoints; from 20 ms on the way back to them can exceed the robot's acceleration
 
 
 @pytest.fixture
@@ -68,10 +70,7 @@ def test_it_connects_moves_stops_and_can_be_activated_again(
     driver.configure(SETUP)
     first = driver.read()
     assert np.abs(first.q - CONFIG.robot.start).max() < 0.01
-    driver.activate(first.q)
-    until(driver, clock, "")
-    _lead(driver, clock, first.q + AHEAD_RAD * np.eye(7)[0])
-    moved = driver.read()
+    moved = _moved(driver, clock, first.q + AHEAD_RAD * np.eye(7)[0])
     assert moved.fault is None
     assert moved.obeyed_seq is not None
     assert moved.q[0] - first.q[0] == pytest.approx(AHEAD_RAD, abs=0.01)
@@ -87,15 +86,32 @@ def test_it_connects_moves_stops_and_can_be_activated_again(
     assert 0.0 <= again.gripper.opening_m <= 0.09
 
 
-def _lead(driver: Driver, clock: Clock, target: np.ndarray) -> None:
-    """A setpoint each tick, for as long as such a motion takes, and its lag."""
+def _moved(driver: Driver, clock: Clock, target: np.ndarray) -> RobotReading:
+    """The reading after a motion to `target`; again where the machine paused this process: the arm brakes then."""
+    for _ in range(TRIES):
+        driver.activate(driver.read().q)
+        until(driver, clock, "")
+        paused_ns = _lead(driver, clock, target)
+        reading = driver.read()
+        if reading.fault is None or paused_ns <= PAUSE_MS * NS_PER_MS:
+            break
+        clock.sleep_until_ns(clock.now_ns() + 300 * NS_PER_MS)
+    return reading
+
+
+def _lead(driver: Driver, clock: Clock, target: np.ndarray) -> int:
+    """A setpoint each tick, for as long as such a motion takes, and its lag; the longest time between two, ns."""
     follower, motion = JerkLimitedTracker(SETUP.limits, SETUP.dt), JointMotion.at_rest(driver.read().q)
+    written, paused_ns = clock.now_ns(), 0
     for seq in range(1, 301):
         follower.reset(motion)
         motion = follower.track(JointMotion.at_rest(target))
         assert isinstance(motion, JointMotion)
-        driver.write(JointCommand(seq, clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP))
-        clock.sleep_until_ns(clock.now_ns() + TICK_MS * NS_PER_MS)
+        now = clock.now_ns()
+        driver.write(JointCommand(seq, now, motion.q, motion.dq, motion.ddq, GripperCommand.KEEP))
+        paused_ns, written = max(paused_ns, now - written), now
+        clock.sleep_until_ns(now + TICK_MS * NS_PER_MS)
+    return paused_ns
 
 
 @pytest.mark.long
