@@ -70,7 +70,8 @@ def lose(loss: float, delay_ms: float, seconds: float) -> Play:
         clean_ns = lossy_ns[1] + 2 * NS_PER_S, time.monotonic_ns()
         clean_mm, lag_ms = _least_error(trial, clean_ns)
         lossy_mm = trial.error_mm(lossy_ns, lag_ms)
-        trial.note(f"error at {lag_ms} ms {clean_mm:.2f} mm, with loss {lossy_mm:.2f} mm")
+        own_mm, own_ms = min((trial.error_mm(lossy_ns, near_ms), near_ms) for near_ms in range(lag_ms - 6, lag_ms + 7))
+        trial.note(f"error at {lag_ms} ms {clean_mm:.2f} mm, with loss {lossy_mm:.2f} mm ({own_mm:.2f} at {own_ms} ms)")
         trial.check(lossy_mm <= 1.1 * clean_mm, f"the error rose by {lossy_mm / clean_mm - 1:.0%}")
 
     return play
