@@ -1,6 +1,7 @@
 """A joint target that waits: on the hand's path, no faster than the joints, and not where nothing asks for it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -132,6 +133,22 @@ def test_a_hand_out_of_reach_is_led_to_the_last_solution_and_no_further(elbow: W
         elbow.sent = elbow.waiting.follow((12 + k) * TICK_NS, target, elbow.sent, 1.0)
         assert (elbow.sent.q - START) @ elbow.direction < 0.31
     assert (elbow.sent.q - START) @ elbow.direction == pytest.approx(0.3, abs=0.01)
+
+
+@pytest.mark.parametrize("rad_s", [3.0, 5.0])
+def test_a_path_that_turns_at_joints_limits_does_not_swing_beyond_them_nor_what_comes_after_it(rad_s: float) -> None:
+    limits = replace(LIMITS, lower=START - 0.1, upper=START + 0.1)
+    waiting, there, furthest = WaitingTarget(MODEL, limits, DT), JointMotion.at_rest(START), [[0.0], [0.0]]
+    for k in range(500):
+        swings = 0.3 * np.array([0.0, math.sin(0.7 * rad_s * k * DT), math.sin(rad_s * k * DT), 0.0, 0.0, 0.0])
+        speeds = 0.3 * rad_s * np.array([0.0, 0.7 * math.cos(0.7 * rad_s * k * DT), math.cos(rad_s * k * DT), 0, 0, 0])
+        inside = np.abs(swings) < 0.1
+        target = JointMotion(np.clip(START + swings, limits.lower, limits.upper), inside * speeds, np.zeros(6))
+        if k % SAMPLE_TICKS == 0:
+            waiting.add(target.q, k * TICK_NS)
+        there = waiting.follow(k * TICK_NS, target, there, 0.3)
+        furthest[waiting.waits].append(float(np.abs(there.q - START).max()))
+    assert [max(places) for places in furthest] == pytest.approx([0.1, 0.1], abs=1e-9)
 
 
 def test_a_refusal_before_a_wait_slows_no_wait(elbow: Way) -> None:
