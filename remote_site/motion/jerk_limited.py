@@ -12,6 +12,7 @@ from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.stopping import stopping
 
 PLANNED = (Result.Working, Result.Finished)
+SLOWEST, ROOM = 1e-3, 1e-2  # rad/s: a joint may always move so fast in the frame; where Ruckig finds no motion, so fast
 
 
 class JerkLimitedTracker:
@@ -43,14 +44,11 @@ class JerkLimitedTracker:
     def track(self, target: JointMotion, speed_scale: float = 1.0) -> JointMotion | Reason:
         """The motion one tick on, towards a moving target; a Reason if none can be planned."""
         planned = self._output
-        frame = self._plan_from(self.motion, target, speed_scale)
-        try:
-            self._ruckig.reset()
-            result = self._ruckig.update(self._input, planned)
-        except (RuckigError, ValueError) as error:  # ValueError: Ruckig's results have one that its Python enum lacks
-            return reason(Code.NO_TRAJECTORY, reason=str(error))
-        if result not in PLANNED:
-            return reason(Code.NO_TRAJECTORY, reason=result.name)
+        frame = self._plan_from(self.motion, target, speed_scale, SLOWEST)
+        if self._failure() is not None:
+            frame = self._plan_from(self.motion, target, speed_scale, ROOM)
+            if (failure := self._failure()) is not None:
+                return reason(Code.NO_TRAJECTORY, reason=failure)
         dt, q, dq, ddq = self._dt, [], [], []
         seen = planned.new_position, planned.new_velocity, planned.new_acceleration
         for (position, velocity, acceleration, *_), off, speed, change in zip(frame, *seen, strict=True):
@@ -60,7 +58,18 @@ class JerkLimitedTracker:
         self.motion = JointMotion(np.array(q), np.array(dq), np.array(ddq))
         return self.motion
 
-    def _plan_from(self, motion: JointMotion, target: JointMotion, speed_scale: float) -> list[MovingFrame]:
+    def _failure(self) -> str | None:
+        """Let Ruckig plan what it was given; why it found no motion."""
+        try:
+            self._ruckig.reset()
+            result = self._ruckig.update(self._input, self._output)
+        except (RuckigError, ValueError) as error:  # ValueError: Ruckig's results have one that its Python enum lacks
+            return str(error)
+        return None if result in PLANNED else result.name
+
+    def _plan_from(
+        self, motion: JointMotion, target: JointMotion, speed_scale: float, slowest: float
+    ) -> list[MovingFrame]:
         """Give Ruckig a motion as seen from the target; each joint's frame."""
         if speed_scale != self._speed_scale:
             self._slowed = [limits._replace(velocity=speed_scale * limits.velocity) for limits in self._axes]
@@ -68,7 +77,7 @@ class JerkLimitedTracker:
         frames, seen = [], []
         for limits, goal, joint in zip(self._slowed, _axes(target), _axes(motion), strict=True):
             frames.append(frame_of(goal, joint, limits))
-            seen.append(seen_from(frames[-1], joint, limits))
+            seen.append(seen_from(frames[-1], joint, limits, slowest))
         given, columns = self._input, list(zip(*seen, strict=True))
         given.current_position, given.current_velocity, given.current_acceleration = columns[:3]
         given.max_velocity, given.min_velocity, given.max_acceleration, given.min_acceleration = columns[3:]

@@ -7,7 +7,6 @@ from remote_site.kinematics.limits import TARGET_SPEED
 
 FRAME_ACCELERATION = 0.8  # of a joint's acceleration, for the frame: the joint must be able to catch it
 BRAKING = 0.6  # of a joint's acceleration, to stop with: the rest is for the jerk, and for targets that stop harder
-SLOWEST = 1e-3  # rad/s: how fast a joint may always move in the frame
 
 Axis = tuple[float, float, float]  # position in rad, velocity in rad/s, acceleration in rad/s² of one joint
 
@@ -53,17 +52,19 @@ def frame_of(target: Axis, joint: Axis, limits: AxisLimits) -> MovingFrame:
     return MovingFrame(position, velocity, min(max(acceleration, -most), most), highest, lowest)
 
 
-def seen_from(frame: MovingFrame, joint: Axis, limits: AxisLimits) -> tuple[float, ...]:
+def seen_from(frame: MovingFrame, joint: Axis, limits: AxisLimits, slowest: float) -> tuple[float, ...]:
     """The joint's motion in the frame, then its limits there: highest and lowest velocity, then acceleration.
 
-    What the frame gains until its acceleration has ended counts as velocity already.
+    What the frame gains until its acceleration has ended counts as velocity already. A joint may always move with
+    `slowest` rad/s there, as far as its target leaves it as much.
     """
     position, velocity, acceleration, upper, lower = frame
     at, speed, change = joint
-    _, hardest, _, ending_s = limits
+    fastest, hardest, _, ending_s = limits
+    slowest = min(slowest, (1.0 - TARGET_SPEED) * fastest)
     gained = acceleration * ending_s
-    highest = max(upper - velocity - (gained if gained > 0.0 else 0.0), SLOWEST)
-    lowest = min(lower - velocity - (gained if gained < 0.0 else 0.0), -SLOWEST)
+    highest = max(upper - velocity - (gained if gained > 0.0 else 0.0), slowest)
+    lowest = min(lower - velocity - (gained if gained < 0.0 else 0.0), -slowest)
     own = at - position, speed - velocity, change - acceleration
     return *own, highest, lowest, hardest - acceleration, -hardest - acceleration
 

@@ -45,7 +45,7 @@ class WaitingTarget:
 
     def __init__(self, model: ArmModel, limits: JointLimits, dt: float) -> None:
         self._tool, self._dt = ToolShift(model), dt
-        self._path = JointPath(model, limits)
+        self._path, self._bounds = JointPath(model, limits), JointBounds(model, limits, SLOW)
         gentle = replace(limits, acceleration=MADE_UP * limits.acceleration)
         self._offset = DecayingOffset(JointBounds(model, gentle, SLOW).convergence, dt)
         self.reset()
@@ -91,12 +91,14 @@ class WaitingTarget:
         asked, followable = self._path.pace(target.dq), self._followable(target, speed)
         if not self.waits:
             motion = self._offset.added_to(target)
+            motion = motion if motion is target else self._inside(motion)
             if not barred and self._must_wait(motion, target, sent, too_fast=asked > followable):
                 self._s, self._pace = 0.0, min(self._path.pace(motion.dq), self._path.pace(sent.dq))
                 self._path.begin(motion.q, hand_ns, 0.0, motion.dq, self._pace)
             return motion
         alone = len(self._path.knots) == 1
         motion = self._alongside(target, sent, speed) if alone else self._walk(asked, followable, sent, speed)
+        motion = self._inside(motion)
         off_m = self._tool.between_m(motion.q, sent.q)
         self._held_s = self._held_s + self._dt if off_m >= FAR_M and self._pace == 0.0 else 0.0
         caught_up = off_m <= NEAR_M and asked <= followable and self._is_close(motion, target)
@@ -104,6 +106,11 @@ class WaitingTarget:
             self.reset()
             self._offset.begin(motion, target)
         return motion
+
+    def _inside(self, motion: JointMotion) -> JointMotion:
+        """The motion within the joints' limits: a curve between solutions that are may swing beyond."""
+        q, dq = (np.array(column) for column in self._bounds.clamp(motion.q.tolist(), motion.dq.tolist()))
+        return JointMotion(q, dq, np.where(dq == motion.dq, motion.ddq, 0.0))
 
     def _is_close(self, motion: JointMotion, target: JointMotion) -> bool:
         """Whether what is left to the target is so little that it need not be on the path."""

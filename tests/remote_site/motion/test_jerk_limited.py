@@ -1,5 +1,7 @@
 """The follower: on a steady target without lag, on a sudden one without overshoot, and never outside the limits."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -233,14 +235,24 @@ def test_a_target_that_is_not_finite_gives_a_reason_and_no_motion():
     assert isinstance(follower.track(JointMotion.at_rest(START + 0.1)), JointMotion)
 
 
-def test_a_joint_at_full_speed_against_its_target_gives_a_motion_or_a_reason_and_never_an_error():
-    follower, reasons = JerkLimitedTracker(LIMITS, DT), set()
+@pytest.mark.parametrize("acceleration", [3.0, 10.0])
+def test_a_joint_at_full_speed_against_its_target_has_a_motion_too(acceleration):
+    follower = JerkLimitedTracker(replace(LIMITS, acceleration=np.full(6, acceleration)), DT)
     shoulder = np.eye(6)[1]
     for speed in np.linspace(-3.14, -2.0, 12):
         for target in np.linspace(2.0, 2.8, 5):
             for change in (4.0, 10.0, 30.0):
                 follower.reset(JointMotion(START, speed * shoulder, np.zeros(6)))
                 goal = JointMotion(START + 0.02 * shoulder, target * shoulder, change * shoulder)
-                if isinstance(planned := follower.track(goal), Reason):
-                    reasons.add(planned.code)
-    assert reasons == {Code.NO_TRAJECTORY}  # some have none: the arm stops
+                assert isinstance(follower.track(goal), JointMotion)
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.1, 0.01])
+def test_a_slowed_joint_is_no_faster_than_it_may_be(scale):
+    follower, shoulder = JerkLimitedTracker(LIMITS, DT), np.eye(6)[1]
+    follower.reset(JointMotion.at_rest(START))
+    for k in range(500):
+        goal = JointMotion(START + min(k * DT, 1.0) * shoulder, (k * DT < 1.0) * shoulder, np.zeros(6))
+        planned = follower.track(goal, scale)
+        assert isinstance(planned, JointMotion)
+        assert planned.dq[1] <= scale * LIMITS.velocity[1] * 1.001
