@@ -62,8 +62,8 @@ def seen_from(frame: MovingFrame, joint: Axis, limits: AxisLimits) -> tuple[floa
     at, speed, change = joint
     _, hardest, _, ending_s = limits
     gained = acceleration * ending_s
-    highest = max(upper - velocity - (gained if gained > 0.0 else 0.0), SLOWEST)
-    lowest = min(lower - velocity - (gained if gained < 0.0 else 0.0), -SLOWEST)
+    highest = max(upper - velocity - max(gained, 0.0), SLOWEST)
+    lowest = min(lower - velocity - min(gained, 0.0), -SLOWEST)
     own = at - position, speed - velocity, change - acceleration
     return *own, highest, lowest, hardest - acceleration, -hardest - acceleration
 
