@@ -37,8 +37,8 @@ EXPLAINED = {
     f"{ASSIST}/assist.py:__init__: self._ended_ns = 0 -> pass": "it is read once a lead has ended, which sets it",
     f"{ASSIST}/progress.py:is_stuck: left[1] < NEARER_RAD -> left[1] <= NEARER_RAD": "exactly half a degree, to the "
     "last bit, may count as either",
-    f"{ASSIST}/standing_marker.py:_moved_by: angle_rad <= MOVED_RAD -> angle_rad < MOVED_RAD": "a turn of exactly three "
-    "degrees, to the last bit, may count as either",
+    f"{ASSIST}/standing_marker.py:_moved_by: angle_rad <= MOVED_RAD -> angle_rad < MOVED_RAD": "a turn of exactly "
+    "3 deg, to the last bit, may count as either",
     "remote_site/session/lease.py:__init__: 0 -> 1": "nobody has asked yet, and who asks sets it",
     "remote_site/drivers/supervisor/plausible_motion.py:bounds: 0 -> 1": "a nanosecond moves no joint",
     "remote_site/safety/stopping.py:span: 0.0 -> 1.0": "a bound that is wider, and still one",

@@ -102,8 +102,9 @@ def test_a_marker_seen_at_a_grazing_angle_is_not_believed(angle_deg):
 
 
 def test_a_third_view_that_grazes_the_marker_is_left_out():
-    views = VIEWS | {"beside": calibration((0.55, 1.2, 0.7))}
-    sighting = look(FACING, views)
+    beside = {"beside": calibration((0.65, 0.48, 0.7), focal_px=500.0)}
+    assert code(look(FACING, beside | {"front_low": VIEWS["front_low"]})) is Code.MARKER_GRAZING
+    sighting = look(FACING, VIEWS | beside)
     assert sighting.refusal is None
     assert sighting.views == tuple(VIEWS)
     assert miss(sighting.base_T_marker, FACING)[0] < 0.5

@@ -87,20 +87,6 @@ def test_a_stop_that_takes_too_long_is_refused_with_its_figures_and_the_cure():
     assert find_mistakes(RemoteConfig(robot=robot, safety=SafetyConfig(longest_stop_ms=1049.0)))[0].part == "stopping"
 
 
-@pytest.mark.parametrize("speed", [1.0, 0.5, 0.3, 0.15])
-@pytest.mark.parametrize("longest_ms", [600.0, 400.0, 250.0])
-def test_the_speed_that_is_named_as_the_cure_is_the_greatest_that_cures(speed, longest_ms):
-    def refusal(fraction):
-        robot = RobotConfig(jerk_rad_s3=40.0, speed=fraction)
-        found = find_mistakes(RemoteConfig(robot=robot, safety=SafetyConfig(longest_stop_ms=longest_ms)))
-        return found[0].sentence if found else ""
-
-    words = re.search(r"robot\.speed = ([0-9.]+) or less", refusal(speed))
-    slower = [step / 100 for step in range(1, 101) if step / 100 < speed]
-    curing = [fraction for fraction in slower if refusal(speed) and not refusal(fraction)]
-    assert (float(words[1]) if words else None) == max(curing, default=None)
-
-
 @pytest.mark.parametrize(
     ("box", "words"),
     [
