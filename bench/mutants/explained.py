@@ -33,6 +33,7 @@ EXPLAINED = {
     f"{INVERSE}:_out_of_reach: distance >= self._least -> distance > self._least": "a wrist at exactly the least "
     "distance, to the last bit, may be told either reason",
     f"{INVERSE}:verify: 2.0 -> 3.0": "other postures: all eight solutions of each are compared, all over the range",
+    "remote_site/kinematics/path_inverse.py:__init__: 6 -> 7": "whoever solves resets it first, which sets it",
     "remote_site/kinematics/upright_arm.py:joints: True -> False": STRICT,
     f"{ASSIST}/assist.py:__init__: self._ended_ns = 0 -> pass": "it is read once a lead has ended, which sets it",
     f"{ASSIST}/progress.py:is_stuck: left[1] < NEARER_RAD -> left[1] <= NEARER_RAD": "exactly half a degree, to the "

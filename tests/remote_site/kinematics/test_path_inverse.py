@@ -6,6 +6,7 @@ import pytest
 from common.geometry import Array, angle_between, rotation_from_vector, transform
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse, Unreachable
 from remote_site.kinematics.path_inverse import MOST, SPACING_RAD, PathInverse
+from remote_site.kinematics.upright_arm import SHOULDER_HOLD
 from tests.remote_site.remote_loop import arm
 
 MODEL, LIMITS = arm()
@@ -59,6 +60,8 @@ def test_a_short_way_has_the_targets_solution_only(way: tuple[float, float, floa
     assert isinstance(directly, Solution)
     assert only.q == pytest.approx(directly.q)
     assert path.q is only.q
+    (still,) = solved(path.along(beside(way), 0.03, 1.0))
+    assert still.q == pytest.approx(only.q)
 
 
 def test_a_target_out_of_reach_changes_nothing() -> None:
@@ -67,3 +70,21 @@ def test_a_target_out_of_reach_changes_nothing() -> None:
     assert path.q is START
     (first, *_) = solved(path.along(beside((0.0, 0.05, 0.0)), 1.0, 1.0))
     assert np.abs(first.q - START).max() < 2 * SPACING_RAD
+
+
+def test_whatever_can_be_reached_at_once_is_reached_along_the_way_too() -> None:
+    """Also where the step by step way ends at a limit, or in a branch from which the target is not reached."""
+    inverse, rng, reached = SphericalWristInverse(MODEL, LIMITS), np.random.default_rng(1), 0
+    for _ in range(150):
+        q = rng.uniform(LIMITS.lower, LIMITS.upper)
+        pose = MODEL.forward(q).copy()
+        turn = rotation_from_vector(rng.normal(0.0, 0.5, 3))
+        target = transform(turn @ pose[:3, :3], pose[:3, 3] + rng.normal(0.0, 0.15, 3))
+        path = PathInverse(inverse)
+        path.reset(pose, q)
+        found = path.along(target, 0.2, 1.0)
+        assert isinstance(found, Unreachable) == isinstance(inverse.nearest(target, q, 0.2, 1.0), Unreachable)
+        if not isinstance(found, Unreachable):
+            assert MODEL.forward(path.q)[:3, 3] == pytest.approx(target[:3, 3], abs=SHOULDER_HOLD)
+            reached += 1
+    assert reached > 30
