@@ -15,6 +15,8 @@ EXPLAINED = {
     f"{CLEARANCE}:clear: 0.5 -> 1.5": "the first half then reaches beyond the end: more is checked, never less",
     "remote_site/safety/stopping.py:span: 2 -> 3": "of the greatest speed: a bound that is nearer, and still one up to "
     "the greatest acceleration",
+    "remote_site/safety/stop_bound.py:_cure: fraction < speed -> fraction <= speed": "at the speed itself, which has "
+    "just been refused",
     "remote_site/safety/collision.py:_gradient: length < MIN_NORMAL -> length <= MIN_NORMAL": "a normal of exactly "
     "1e-9, to the last bit, may count as either",
     "remote_site/safety/collision_avoidance.py:_beside: True -> False": STRICT,
@@ -22,6 +24,9 @@ EXPLAINED = {
     "remote_site/motion/jerk_limited.py:_axes: True -> False": STRICT,
     "remote_site/motion/jerk_limited.py:_plan_from: True -> False": STRICT,
     "remote_site/motion/target_predictor.py:effort: True -> False": STRICT,
+    "remote_site/motion/leash.py:_reaches: True -> False": STRICT,
+    "remote_site/motion/leash.py:_reaches: way <= max(before, limit) + EXACT -> way < max(before, limit) + EXACT": "a "
+    "way of exactly a nanometre more, to the last bit, may count as either",
     f"{TRACKER}:__init__: self._solved_ns = 0 -> pass": "whoever aims resets first, which sets it",
     f"{TRACKER}:__init__: 0 -> 1": "whoever aims resets first, which sets it",
     "remote_site/kinematics/dexterity.py:condition: 0 -> 1": "the vectors are computed as well; the values stay",

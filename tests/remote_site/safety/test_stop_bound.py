@@ -39,3 +39,5 @@ def test_a_stop_of_exactly_the_longest_time_is_allowed() -> None:
     check_stops(limits, 1.0, longest_ms)
     with pytest.raises(ConfigError, match="may take"):
         check_stops(limits, 1.0, longest_ms - 0.01)
+    cured_ms = 1000.0 * max(longest_stops(limits.scaled_speed(0.29)))
+    assert "robot.speed = 0.29 or less" in refusal(1.0, cured_ms)
