@@ -123,3 +123,17 @@ def test_the_target_hardly_goes_beyond_where_a_reaching_hand_stops(age_ms: float
     times, places = predicted(lambda t: 0.2 * smooth((t - 1.0) / 0.8), age_ms, 3.0)
     assert places.max() < 0.2 + 0.012
     assert np.abs(places[times > 2.4] - 0.2).max() < 1e-3
+
+
+def quick_start(t: float) -> float:
+    """The hand at 0.1 m/s, which after a second accelerates at 4 m/s² to 0.5 m/s, and goes on so; m."""
+    gaining_s = min(max(t - 1.0, 0.0), 0.1)
+    return 0.1 * t + 2.0 * gaining_s**2 + 0.4 * max(t - 1.1, 0.0)
+
+
+def test_after_a_quick_start_the_target_stays_behind_for_a_while_as_its_end_may_come_at_once() -> None:
+    times, places = predicted(quick_start, 40.0, 2.2)
+    off = places - [quick_start(t) for t in times]
+    assert np.abs(off[(times > 0.8) & (times < 1.0)]).max() < 2e-3
+    assert off[(times > 1.2) & (times < 1.5)].max() < -0.01
+    assert np.abs(off[times > 2.0]).max() < 2e-3
