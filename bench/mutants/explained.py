@@ -21,12 +21,15 @@ EXPLAINED = {
     "1e-9, to the last bit, may count as either",
     "remote_site/safety/collision_avoidance.py:_beside: True -> False": STRICT,
     "remote_site/safety/workspace_box.py:_extents: True -> False": STRICT,
+    "remote_site/motion/jerk_limited.py:track: self._ruckig.reset() -> pass": "Ruckig goes on with a plan whose motion "
+    "is what it said last: the same as planned anew",
     "remote_site/motion/jerk_limited.py:_axes: True -> False": STRICT,
     "remote_site/motion/jerk_limited.py:_plan_from: True -> False": STRICT,
     "remote_site/motion/target_predictor.py:effort: True -> False": STRICT,
     "remote_site/motion/leash.py:_reaches: True -> False": STRICT,
     "remote_site/motion/leash.py:_reaches: way <= max(before, limit) + EXACT -> way < max(before, limit) + EXACT": "a "
     "way of exactly a nanometre more, to the last bit, may count as either",
+    "remote_site/motion/planner.py:__init__: 1.0 -> 2.0": "whoever follows resets first, which sets it",
     f"{TRACKER}:__init__: self._solved_ns = 0 -> pass": "whoever aims resets first, which sets it",
     f"{TRACKER}:__init__: 0 -> 1": "whoever aims resets first, which sets it",
     "remote_site/kinematics/dexterity.py:condition: 0 -> 1": "the vectors are computed as well; the values stay",
