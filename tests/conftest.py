@@ -102,7 +102,8 @@ def error_hooks_end_with_the_test() -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def scheduling_stays() -> Iterator[None]:
     """Fail a test that leaves this process in real time: all later ones and their processes would starve the rest."""
+    before = os.sched_getscheduler(0)
     yield
     left = os.sched_getscheduler(0)
-    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    assert left == os.SCHED_OTHER, "the test asked for real time in the process of the tests"
+    os.sched_setscheduler(0, before, os.sched_param(0))
+    assert left == before, "the test asked for real time in the process of the tests"

@@ -3,6 +3,9 @@
 GUARD = "remote_site/safety/guard.py"
 CLEARANCE = "remote_site/safety/clearance.py"
 QUICKER = "a shortcut: what it decides is decided the same without it, only later"
+STRICT = "all of the sequences have as many entries, so strict never acts"
+INVERSE, ASSIST = "remote_site/kinematics/inverse.py", "remote_site/assist"
+TRACKER = "remote_site/motion/target_tracker.py"
 
 EXPLAINED = {
     f"{GUARD}:spans: True -> False": "both sequences have a joint's entry each, so strict never acts",
@@ -10,6 +13,41 @@ EXPLAINED = {
     f"{CLEARANCE}:clear: HALF_TRAVEL if end == duration else 0.5 -> 0.5": "where a part is halved decides how many are "
     "looked at, not what is found",
     f"{CLEARANCE}:clear: 0.5 -> 1.5": "the first half then reaches beyond the end: more is checked, never less",
+    "remote_site/safety/stopping.py:span: 2 -> 3": "of the greatest speed: a bound that is nearer, and still one up to "
+    "the greatest acceleration",
+    "remote_site/safety/stop_bound.py:_cure: fraction < speed -> fraction <= speed": "at the speed itself, which has "
+    "just been refused",
+    "remote_site/safety/collision.py:_gradient: length < MIN_NORMAL -> length <= MIN_NORMAL": "a normal of exactly "
+    "1e-9, to the last bit, may count as either",
+    "remote_site/safety/collision_avoidance.py:_beside: True -> False": STRICT,
+    "remote_site/safety/workspace_box.py:_extents: True -> False": STRICT,
+    "remote_site/motion/jerk_limited.py:track: self._ruckig.reset() -> pass": "Ruckig goes on with a plan whose motion "
+    "is what it said last: the same as planned anew",
+    "remote_site/motion/jerk_limited.py:_axes: True -> False": STRICT,
+    "remote_site/motion/jerk_limited.py:_plan_from: True -> False": STRICT,
+    "remote_site/motion/target_predictor.py:effort: True -> False": STRICT,
+    "remote_site/motion/leash.py:_reaches: True -> False": STRICT,
+    "remote_site/motion/leash.py:_reaches: way <= max(before, limit) + EXACT -> way < max(before, limit) + EXACT": "a "
+    "way of exactly a nanometre more, to the last bit, may count as either",
+    "remote_site/motion/planner.py:__init__: 1.0 -> 2.0": "whoever follows resets first, which sets it",
+    f"{TRACKER}:__init__: self._solved_ns = 0 -> pass": "whoever aims resets first, which sets it",
+    f"{TRACKER}:__init__: 0 -> 1": "whoever aims resets first, which sets it",
+    "remote_site/kinematics/dexterity.py:condition: 0 -> 1": "the vectors are computed as well; the values stay",
+    f"{INVERSE}:__init__: True -> False": STRICT,
+    f"{INVERSE}:_damped_fraction: bend >= WRIST_ZONE -> bend > WRIST_ZONE": "a wrist bent by exactly 0.35, to the last "
+    "bit, may count as either",
+    f"{INVERSE}:_roll: bend < WRIST_ZONE -> bend <= WRIST_ZONE": "a wrist bent by exactly 0.35, to the last bit, may "
+    "count as either",
+    f"{INVERSE}:_out_of_reach: distance >= self._least -> distance > self._least": "a wrist at exactly the least "
+    "distance, to the last bit, may be told either reason",
+    f"{INVERSE}:verify: 2.0 -> 3.0": "other postures: all eight solutions of each are compared, all over the range",
+    "remote_site/kinematics/path_inverse.py:__init__: 6 -> 7": "whoever solves resets it first, which sets it",
+    "remote_site/kinematics/upright_arm.py:joints: True -> False": STRICT,
+    f"{ASSIST}/assist.py:__init__: self._ended_ns = 0 -> pass": "it is read once a lead has ended, which sets it",
+    f"{ASSIST}/progress.py:is_stuck: left[1] < NEARER_RAD -> left[1] <= NEARER_RAD": "exactly half a degree, to the "
+    "last bit, may count as either",
+    f"{ASSIST}/standing_marker.py:_moved_by: angle_rad <= MOVED_RAD -> angle_rad < MOVED_RAD": "a turn of exactly "
+    "3 deg, to the last bit, may count as either",
     "remote_site/session/lease.py:__init__: 0 -> 1": "nobody has asked yet, and who asks sets it",
     "remote_site/drivers/supervisor/plausible_motion.py:bounds: 0 -> 1": "a nanosecond moves no joint",
     "remote_site/safety/stopping.py:span: 0.0 -> 1.0": "a bound that is wider, and still one",

@@ -35,7 +35,7 @@ FOLLOWING = (MOTION, *_tests(TELEOP, "catch_up", "quick_aims", "slowed_arm", "ot
 LEASH = (MOTION / "test_leash.py", TELEOP / "test_tool_target.py")
 KINEMATICS = (TESTS / "kinematics", *_tests(TELEOP, "slowed_arm", "other_arms"))
 STOPS = (
-    *_tests(TESTS / "safety", "stop_figures", "stopping"),
+    *_tests(TESTS / "safety", "stop_bound", "stop_figures", "stopping"),
     TESTS / "kinematics" / "test_limits_factor.py",
     TESTS / "runtime" / "test_checks.py",
 )

@@ -128,9 +128,8 @@ class DifferentialInverse:
 
 def _approach_speed(distance: float, fastest: float, acceleration: float, jerk: float) -> float:
     """The highest speed towards its limit from which a joint with `distance` rad left can stop; negative beyond it."""
-    if distance <= 0.0:
-        return max(RETURN_S * distance, -fastest)
-    return min(NEAR_LIMITS * stoppable(distance, acceleration, jerk), RETURN_S * distance, fastest)
+    beside = min(max(RETURN_S * distance, -fastest), fastest)
+    return min(NEAR_LIMITS * stoppable(distance, acceleration, jerk), beside)
 
 
 def _rate(off: float, braking: float) -> float:

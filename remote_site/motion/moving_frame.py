@@ -63,8 +63,8 @@ def seen_from(frame: MovingFrame, joint: Axis, limits: AxisLimits, slowest: floa
     fastest, hardest, _, ending_s = limits
     slowest = min(slowest, (1.0 - TARGET_SPEED) * fastest)
     gained = acceleration * ending_s
-    highest = max(upper - velocity - (gained if gained > 0.0 else 0.0), slowest)
-    lowest = min(lower - velocity - (gained if gained < 0.0 else 0.0), -slowest)
+    highest = max(upper - velocity - max(gained, 0.0), slowest)
+    lowest = min(lower - velocity - min(gained, 0.0), -slowest)
     own = at - position, speed - velocity, change - acceleration
     return *own, highest, lowest, hardest - acceleration, -hardest - acceleration
 

@@ -34,7 +34,7 @@ def check_stops(limits: JointLimits, speed: float, longest_ms: float) -> None:
 
 def _cure(limits: JointLimits, speed: float, longest_ms: float) -> str:
     more = "allow more robot.jerk_rad_s3 or robot.acceleration_rad_s2"
-    for step in range(STEPS - 1, 0, -1):
+    for step in range(STEPS, 0, -1):
         fraction = step / STEPS
         if fraction < speed and MS * max(longest_stops(limits.scaled_speed(fraction / speed))) <= longest_ms:
             return f"{more}, or set robot.speed = {fraction:g} or less"

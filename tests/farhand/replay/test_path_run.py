@@ -146,6 +146,16 @@ def test_a_lock_on_the_page_stands_the_run_and_is_named():
     assert hand.status.value == "initialising"
 
 
+def test_the_hand_goes_as_far_as_the_scale_on_the_page_needs():
+    cell = engaged(cell_on(some_path()))
+    cell.until("runs")
+    now_ns, state = cell.site.now_ns, cell.state()
+    hand = cell.runs.hand(now_ns, state)
+    halved = replace(state, settings=replace(state.settings, scale=0.5 * state.settings.scale))
+    assert np.linalg.norm(hand.wrist) > 0.01
+    assert cell.runs.hand(now_ns, halved).wrist == pytest.approx(2.0 * hand.wrist)
+
+
 def test_a_path_out_of_reach_is_not_run_through_without_the_arm():
     path = some_path()
     far = ToolTrajectory(path.t_s, path.positions + np.array([0.5, 0.0, 0.3]), path.orientations)

@@ -128,3 +128,25 @@ def test_what_the_operator_gave_away_is_not_asked_for_again():
     policy.take_reply(refused("ben"), S, S)
     policy.stop_asking()
     assert policy.due(50 * S) is None
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_who_insists_and_then_gives_it_away_asks_no_more(late):
+    """Nor after a reply that was under way meanwhile has granted it: that lease ends, and is not asked for again."""
+    policy = LeasePolicy("anna", automatic=True)
+    policy.keep_asking(0)
+    assert policy.due(0) is LeaseAction.ACQUIRE
+    policy.asked(0)
+    policy.stop_asking()
+    if late:
+        policy.take_reply(granted(), 0, S // 2)
+    assert [policy.due(6 * S + k * S) for k in range(60)] == [None] * 60
+
+
+def test_a_grant_that_comes_after_a_refusal_for_another_is_not_asked_for_again():
+    policy = holding()
+    policy.keep_asking(S)
+    policy.take_reply(granted(), S, S)
+    policy.take_reply(refused("ben"), 2 * S, 2 * S)
+    policy.take_reply(granted(), S, 2 * S)
+    assert policy.due(10 * S) is None

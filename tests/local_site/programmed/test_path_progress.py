@@ -83,6 +83,24 @@ def test_it_waits_for_the_gripper_and_then_dwells():
     assert progress.is_done
 
 
+def test_the_gripper_is_asked_at_every_step_until_it_has_done_it():
+    progress = PathProgress(path(GripperAction(2.0, GripperCommand.CLOSED)), 1.0, stepwise=False)
+    go(progress, 4.0, OPEN)
+    assert progress.acts
+    assert [progress.advance(DT_S, CLOSING, "") for _ in range(30)] == [GripperCommand.CLOSED] * 30
+    assert progress.acts
+
+
+def test_a_gripper_that_loses_what_it_holds_begins_its_rest_anew():
+    progress = PathProgress(path(GripperAction(2.0, GripperCommand.CLOSED, 1.0)), 1.0, stepwise=False)
+    go(progress, 4.0, OPEN)
+    for state, seconds in ((HOLDS, 0.7), (CLOSING, 0.5), (HOLDS, 0.9)):
+        go(progress, seconds, state)
+    assert x_mm(progress) == 200
+    go(progress, 0.6, HOLDS)
+    assert x_mm(progress) > 200
+
+
 def test_a_gripper_that_is_so_already_is_asked_nothing():
     progress = PathProgress(path(GripperAction(2.0, GripperCommand.OPEN)), 1.0, stepwise=False)
     assert go(progress, 8.0, OPEN) == set()

@@ -31,6 +31,15 @@ def test_an_opening_counts_once_however_long_it_lasts():
     assert run([False] * 5 + [True] * 10 + [False] * 10 + [True] * 10).toggles == 2
 
 
+def test_an_opening_counts_once_it_has_lasted_for_120_ms():
+    for after_ms, toggles in ((119, 0), (120, 1)):
+        state = OpenHand()
+        for t_ns in (0, after_ms * NS_PER_MS):
+            estimate = ArmEstimate(t_ns, TrackingStatus.TRACKED, "", wrist=np.zeros(3), hand_open=True)
+            state = state.observe(estimate, GestureConfig())
+        assert state.toggles == toggles
+
+
 def test_flicker_counts_nothing_and_a_short_gap_splits_nothing():
     assert run([False, True, True, False] * 20).toggles == 0
     assert run([True] * 10 + [False] * 2 + [True] * 10).toggles == 1

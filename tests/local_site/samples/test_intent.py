@@ -34,6 +34,11 @@ def test_a_press_after_a_release_is_held():
     assert merge(told(0, False), told(50, True)).at(START + 60 * MS).hold
 
 
+def test_of_two_intents_of_the_same_instant_the_first_counts():
+    assert not merge(told(0, False), told(50, False), told(50, True)).at(START + 60 * MS).hold
+    assert merge(told(0, False), told(50, True), told(50, False)).at(START + 60 * MS).hold
+
+
 def test_there_is_no_intent_200_ms_after_the_last():
     made = merge(told(0, False), told(50, True))
     assert made.at(START + 250 * MS).hold

@@ -34,6 +34,12 @@ def test_the_third_in_a_row_is_where_the_arm_is():
     np.testing.assert_allclose(sent[10:], [AWAY] * 6, atol=1e-12)
 
 
+def test_what_comes_after_the_third_is_smoothed_again():
+    beside = AWAY + np.array([0.0, 0.02, 0.0])
+    sent = smoothed([*[HAND] * 10, *[AWAY] * 3, beside])
+    assert AWAY[1] < sent[-1][1] < beside[1]
+
+
 def test_a_quick_hand_is_smoothed_as_ever():
     way = [HAND + np.array([0.0, 0.08 * k, 0.0]) for k in range(8)]
     sent = smoothed(way)

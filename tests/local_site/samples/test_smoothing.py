@@ -139,6 +139,13 @@ def test_after_a_gap_in_time_nothing_old_is_mixed_in(method):
     assert back.index == pytest.approx(HAND["index"] + [0.4, 0, 0])
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_gap_of_200_ms_is_none_yet(method):
+    smoother = make_smoother(SmoothingConfig(method=method))
+    smoother.smooth(arm(0.0))
+    assert 0.0 < smoother.smooth(arm(0.2, offset=(0.1, 0, 0))).wrist[0] < 0.1
+
+
 def test_everything_but_the_points_is_kept():
     estimate = arm(0.0, status=TrackingStatus.DEGRADED)
     smooth = make_smoother(SmoothingConfig()).smooth(estimate)

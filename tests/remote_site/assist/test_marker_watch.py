@@ -101,10 +101,36 @@ def test_a_marker_seen_at_a_grazing_angle_is_not_believed(angle_deg):
     assert look(turned(FACING, (0, angle_deg / 2, 0)), views).refusal is None
 
 
+def test_a_third_view_that_grazes_the_marker_is_left_out():
+    beside = {"beside": calibration((0.65, 0.48, 0.7), focal_px=500.0)}
+    assert code(look(FACING, beside | {"front_low": VIEWS["front_low"]})) is Code.MARKER_GRAZING
+    sighting = look(FACING, VIEWS | beside)
+    assert sighting.refusal is None
+    assert sighting.views == tuple(VIEWS)
+    assert miss(sighting.base_T_marker, FACING)[0] < 0.5
+
+
 def test_pictures_that_are_too_old_show_nothing():
+    assert look(FACING, aged_ns=450_000_000).refusal is None
     sighting = look(FACING, aged_ns=500_000_000)
     assert code(sighting) is Code.MARKER_STALE
-    assert "500 ms old" in sighting.refusal.sentence
+    assert sighting.refusal.sentence.endswith("the pictures are 500 ms old")
+
+
+def test_of_several_pictures_that_are_too_old_the_newest_is_told():
+    watch = MarkerWatch(AssistConfig(targets=(TARGET,)), VIEWS)
+    for name, age_ms in zip(VIEWS, (900, 600), strict=True):
+        watch.take(name, NOW_NS - age_ms * 1_000_000, FoundMarkers({}), None)
+    (sighting,) = watch.sightings(NOW_NS)
+    assert sighting.refusal.sentence.endswith("the pictures are 600 ms old")
+
+
+def test_a_view_with_too_many_candidates_says_so_while_its_picture_is_fresh():
+    watch = MarkerWatch(AssistConfig(targets=(TARGET,)), VIEWS)
+    watch.take("front_low", NOW_NS, FoundMarkers({}, (NUMBER,)), None)
+    for age_ms, expected in ((450, Code.MARKER_CROWDED), (451, Code.MARKER_STALE)):
+        (sighting,) = watch.sightings(NOW_NS + age_ms * 1_000_000)
+        assert code(sighting) is expected
 
 
 def test_a_marker_far_from_where_the_tool_belongs_is_too_uncertain():

@@ -165,6 +165,16 @@ def test_an_arm_of_another_kind_has_no_closed_form(variant, pattern, replacement
         SphericalWristInverse(model, limits)
 
 
+def test_an_arm_beside_its_own_plane_has_a_closed_form(variant):
+    """Shoulder and elbow are beside the axis of joint 1, as on many arms, and the wrist is on it again."""
+    path = variant(
+        r'(<child link="upper_arm"/><origin xyz=")0 0(.*<child link="wrist_roll"/><origin xyz=")0 0 ',
+        r"\g<1>0 0.1\g<2>0 -0.1 ",
+    )
+    model = load(path)
+    SphericalWristInverse(model, JointLimits.from_model(model, RobotConfig())).verify()
+
+
 def test_the_closed_form_reads_lengths_and_signs_from_the_urdf(variant):
     path = variant(r'(<child link="forearm"/><origin xyz="0 0 )0.3048(.{0,40}axis xyz="0 )-1', r"\g<1>0.4\g<2>1")
     model = load(path)

@@ -1,13 +1,17 @@
 """Inverse kinematics: every branch leads back to the target, and the nearest one keeps the arm's branch."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from common.errors import ModelError
 from common.geometry import rotation_from_vector, transform, vector_from_rotation
+from remote_site.kinematics.config import BranchConfig
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse, Unreachable
-from remote_site.kinematics.upright_arm import SHOULDER_HOLD
+from remote_site.kinematics.upright_arm import SHOULDER_HOLD, UprightArm
 from remote_site.reasons import Code
 from tests.remote_site.remote_loop import arm
 
@@ -33,6 +37,47 @@ def test_all_eight_branches_lead_back_to_the_pose(q):
     assert len({solution.branch for solution in solutions}) >= 4
     for solution in solutions:
         assert off(solution.q, pose) < 1e-9
+
+
+@pytest.mark.parametrize("pitch", [-0.8, 0.8])
+def test_every_solution_states_the_branch_of_its_posture(pitch):
+    branch_of = UprightArm.from_model(MODEL).branch_of
+    q = np.array([0.4, -0.3, -1.2, 0.5, pitch, 0.2])
+    solutions = INVERSE.solutions(MODEL.forward(q))
+    assert [solution.branch for solution in solutions] == [branch_of(tuple(solution.q)) for solution in solutions]
+    assert len({solution.branch for solution in solutions}) == 8
+    result = INVERSE.nearest(MODEL.forward(q), q)
+    assert isinstance(result, Solution)
+    assert result.branch == branch_of(tuple(q))
+
+
+class Crooked:
+    """An arm that fits the closed form at its zero posture, and is 10 mm off it where its test says."""
+
+    pin_model, joint_names = MODEL.pin_model, MODEL.joint_names
+
+    def __init__(self, is_off):
+        self._is_off = is_off
+
+    def forward(self, q):
+        pose = MODEL.forward(q).copy()
+        pose[0, 3] += 0.01 * self._is_off((q - LIMITS.lower) / (LIMITS.upper - LIMITS.lower))
+        return pose
+
+
+@pytest.mark.parametrize(("high", "low"), list(permutations(range(6), 2)))
+def test_an_arm_that_the_closed_form_does_not_fit_in_a_quarter_of_its_range_is_refused(high, low):
+    def is_off(part):
+        return part[high] > 0.5 > part[low]
+
+    with pytest.raises(ModelError, match="does not lead back"):
+        SphericalWristInverse(Crooked(is_off), LIMITS).verify()
+
+
+def test_a_stretched_elbow_counts_as_bent_forward():
+    SphericalWristInverse(MODEL, LIMITS, BranchConfig(elbow="forward")).check_branch(np.zeros(6))
+    with pytest.raises(ModelError, match="elbow"):
+        SphericalWristInverse(MODEL, LIMITS, BranchConfig(elbow="backward")).check_branch(np.zeros(6))
 
 
 def lost(q, pose):
@@ -82,6 +127,17 @@ def test_a_straight_wrist_does_not_spin_joint_4_and_keeps_the_position():
         assert abs(result.q[3] - q[3]) < 0.05
         q = result.q
     assert abs(q[3] - 0.3) < 0.3
+
+
+@pytest.mark.parametrize(("bend", "rate"), [(1.0, 60.0), (0.5, 15.0), (0.25, 3.75)])
+def test_joint_4_goes_the_slower_to_its_goal_the_straighter_the_wrist_is(bend, rate):
+    """With the square of the bend: half as bent, a quarter as fast."""
+    q = START.copy()
+    q[4] = np.arcsin(0.999 * bend * 0.35)
+    wanted = q + np.array([0.0, 0.0, 0.0, 0.02, 0.0, 0.0])
+    result = INVERSE.nearest(MODEL.forward(wanted), q, elapsed_s=0.02)
+    assert isinstance(result, Solution)
+    assert result.q[3] / 0.02 == pytest.approx(1.0 - np.exp(-0.02 * rate), rel=0.01)
 
 
 def test_joint_4_goes_no_faster_than_it_can_and_arrives():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS
-from remote_site.motion.catch_up import CATCH_UP_M_S, CATCH_UP_RAD_S, LEARNING, decay_rate, slower_rate
+from remote_site.motion.catch_up import CATCH_UP_M_S, CATCH_UP_RAD_S, LEARNING, CatchUp, decay_rate, slower_rate
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_predictor import TargetPredictor
 
@@ -35,6 +35,17 @@ def test_what_the_target_needs_itself_is_left_to_it() -> None:
     assert slower_rate(20.0, (0.2, 0.0), 0.5) < slower_rate(20.0, (0.2, 0.0), 1.0)
     assert slower_rate(20.0, (0.2, 0.0), 0.0) == 0.0
     assert decay_rate(20.0, (0.02, 0.0), 0.0) == 0.0
+
+
+@pytest.mark.parametrize("samples", [0, LEARNING + 1])
+def test_what_may_decay_at_the_full_rate_is_no_slow_part_any_more(samples: int) -> None:
+    catch_up = CatchUp(60 * NS_PER_MS, lambda _q, dq: (abs(dq[0]), 0.0))
+    catch_up.reset(0, 20.0)
+    for k in range(samples):
+        catch_up.hear(k * PERIOD_MS * NS_PER_MS, 1.0)
+    assert catch_up.take([0.0], [0.001], [0.0], 20.0, [0.001]) == [0.0]
+    (slow,) = catch_up.take([0.0], [0.02], [0.0], 20.0, [0.02])
+    assert catch_up.rate * slow == pytest.approx(CATCH_UP_M_S)
 
 
 def speeds(speed_m_s: float, silent_at: int = 0, age_ms: int = 40) -> tuple[np.ndarray, np.ndarray]:
@@ -74,8 +85,37 @@ def test_after_late_samples_as_well(speed_m_s: float, age_ms: int) -> None:
     assert speed_m_s + 0.02 < after.max() <= speed_m_s + 0.05
 
 
-def test_later_samples_are_followed_as_quickly_as_ever() -> None:
+@pytest.mark.parametrize("age_ms", [20, 60, 160, 300])
+@pytest.mark.parametrize("silent", [6, 8, 10])
+@pytest.mark.parametrize("then_m_s", [-0.1, 0.0, 0.1, 0.2])
+def test_whatever_the_hand_did_while_samples_were_missing(then_m_s: float, silent: int, age_ms: int) -> None:
+    """It went 0.1 m/s before: taken for a course that went on, what it did meanwhile would count as a sudden turn."""
+    predictor, fastest = TargetPredictor(6, ControlConfig()), 0.0
+    predictor.reset(0, np.zeros(6))
+    for k in range(1, 70):
+        now_ms, place = k * PERIOD_MS + age_ms, (0.1 * min(k, 39) + then_m_s * max(k - 39, 0)) * PERIOD_MS / 1e3
+        if not 40 <= k < 40 + silent:
+            predictor.aim(k * PERIOD_MS * NS_PER_MS, place * np.eye(6)[0], now_ms * NS_PER_MS)
+        speeds = [predictor.at(tick_ms * NS_PER_MS)[1][0] for tick_ms in range(now_ms, now_ms + PERIOD_MS, TICK_MS)]
+        fastest = max(fastest, *np.abs(speeds)) if k >= 40 + silent else 0.0
+    assert fastest <= OVERSHOOT * abs(then_m_s) + CATCH_UP_M_S
+
+
+@pytest.mark.parametrize("age_ms", [40, 160, 300])
+def test_when_samples_cease_the_target_goes_on_for_as_long_however_old_they_were(age_ms: int) -> None:
     predictor = TargetPredictor(6, ControlConfig())
+    predictor.reset(0, np.zeros(6))
+    for k in range(1, 60):
+        q = 0.1 * k * PERIOD_MS / 1e3 * np.eye(6)[0]
+        predictor.aim(k * PERIOD_MS * NS_PER_MS, q, (k * PERIOD_MS + age_ms) * NS_PER_MS)
+        predictor.at((k * PERIOD_MS + age_ms) * NS_PER_MS)
+    rest = predictor.at(10_000 * NS_PER_MS)[0][0]
+    assert rest - q[0] == pytest.approx(0.1 * 0.1, abs=5e-4)  # 60 ms, and what is made up of their age
+
+
+@pytest.mark.parametrize("predict_ms", [60.0, 0.0])
+def test_later_samples_are_followed_as_quickly_as_ever(predict_ms: float) -> None:
+    predictor = TargetPredictor(6, ControlConfig(predict_ms=predict_ms))
     predictor.reset(0, np.zeros(6))
     for k in range(1, LEARNING + 2):
         predictor.aim(k * PERIOD_MS * NS_PER_MS, np.zeros(6), k * PERIOD_MS * NS_PER_MS)

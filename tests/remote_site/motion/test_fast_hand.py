@@ -1,6 +1,7 @@
 """A fast hand: the joints do not overshoot a target that turns hard, nor the target a hand that turns."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.motion.target_predictor import TargetPredictor
+from remote_site.reasons import Code
+from remote_site.safety.guard import JointGuard, Passed
 from tests.remote_site.arms_followed import smooth
 from tests.remote_site.remote_loop import TICK_NS, arm
 
@@ -52,6 +55,25 @@ def test_a_joint_that_is_behind_an_accelerating_target_does_not_overshoot_it(beh
         off.append(float(motion.q[0] - 1.5 * (t + DT) + 0.9375 * (t + DT) ** 2))
     assert max(off) < 1e-3
     assert abs(off[-1]) < 1e-3
+
+
+@pytest.mark.parametrize("jerk", [20.0, 40.0, 100.0])
+def test_a_joint_with_little_jerk_is_never_carried_beyond_its_speed_by_a_target_that_accelerates(jerk: float) -> None:
+    limits = replace(LIMITS, jerk=np.full(6, jerk))
+    guard, most = JointGuard(limits, DT), 0.0
+    for acceleration in (3.0, 4.0, 5.0, 6.0, 8.0):
+        tracker = JerkLimitedTracker(limits, DT)
+        tracker.reset(JointMotion.at_rest(np.zeros(6)))
+        for k in range(500):
+            t, sent = min(k * DT, 3.4 / acceleration), tracker.motion
+            way = acceleration * t * t / 2 + 3.4 * (k * DT - t)
+            goal = JointMotion(way * AXIS, acceleration * t * AXIS, acceleration * (t == k * DT) * AXIS)
+            motion = tracker.track(goal)
+            assert isinstance(motion, JointMotion)
+            verdict = guard.check(motion, sent)
+            assert isinstance(verdict, Passed) or verdict.reason.code is Code.POSITION
+            most = max(most, limits.pace(motion.dq, motion.ddq))
+    assert most == pytest.approx(1.0)
 
 
 def stopping_at(t: float, stops_s: float) -> JointMotion:
@@ -101,3 +123,17 @@ def test_the_target_hardly_goes_beyond_where_a_reaching_hand_stops(age_ms: float
     times, places = predicted(lambda t: 0.2 * smooth((t - 1.0) / 0.8), age_ms, 3.0)
     assert places.max() < 0.2 + 0.012
     assert np.abs(places[times > 2.4] - 0.2).max() < 1e-3
+
+
+def quick_start(t: float) -> float:
+    """The hand at 0.1 m/s, which after a second accelerates at 4 m/s² to 0.5 m/s, and goes on so; m."""
+    gaining_s = min(max(t - 1.0, 0.0), 0.1)
+    return 0.1 * t + 2.0 * gaining_s**2 + 0.4 * max(t - 1.1, 0.0)
+
+
+def test_after_a_quick_start_the_target_stays_behind_for_a_while_as_its_end_may_come_at_once() -> None:
+    times, places = predicted(quick_start, 40.0, 2.2)
+    off = places - [quick_start(t) for t in times]
+    assert np.abs(off[(times > 0.8) & (times < 1.0)]).max() < 2e-3
+    assert off[(times > 1.2) & (times < 1.5)].max() < -0.01
+    assert np.abs(off[times > 2.0]).max() < 2e-3

@@ -70,6 +70,8 @@ def test_joints_that_are_not_finite_are_never_far_from_anything(value, joint):
         assert model.distance(q) == -math.inf
         assert not (model.clearances(q, np.zeros(6), 0.0) >= 0.0).any()
         assert (model.distances(q) == -math.inf).all()
+        assert len(model.distances(q)) == len(model.distances(ROBOT.start))
+        assert model.distances(q, np.arange(1)).tolist() == [-math.inf]
 
 
 def test_what_an_earlier_measurement_leaves_is_never_more_than_the_distance():

@@ -30,6 +30,15 @@ def test_no_motion_that_the_guard_lets_pass_goes_on_longer_or_further(bound, spe
         assert abs(stop.end) <= figures.by_one_m + 1e-9
 
 
+@pytest.mark.parametrize("bound", [(1.0, 20.0, 50.0), (3.0, 10.0, 1000.0), (3.0, 10.0, 100.0), (0.1, 25.0, 40.0)])
+def test_one_motion_that_the_guard_lets_pass_goes_on_as_far(bound):
+    """From the greatest acceleration that is taken back at full speed and does not need a speed backwards before."""
+    velocity, acceleration, jerk = bound
+    rises = np.linspace(0.0, min(acceleration, np.sqrt(2 * jerk * velocity)), 200)
+    ends = [joint_stop((0.0, velocity - a * a / (2 * jerk), a), acceleration, jerk).end for a in rises]
+    assert rising_stop(limits(bound), [0.5], 9.0).by_one_m == pytest.approx(0.5 * max(ends))
+
+
 def test_at_10_rad_s2_and_100_rad_s3():
     figures = steady_stop(limits((3.0, 10.0, 100.0)), [0.7], 2.5)
     assert figures == pytest.approx((0.350, 0.306, 0.306), rel=2e-3)

@@ -103,6 +103,28 @@ def test_no_stop_is_faster_than_its_bound(v, a):
     assert all(abs(stop.at(t)[1]) <= stop.fastest + 1e-9 for t in np.linspace(0, stop.duration, 40))
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("jerk", [100.0, 1000.0])
+def test_a_joint_that_still_becomes_faster_reaches_the_bound_of_its_speed(side, jerk):
+    stop = joint_stop((0.0, side * 0.5, side * 8.0), 10.0, jerk)
+    speeds = [abs(stop.at(t)[1]) for t in (*np.linspace(0.0, stop.duration, 100), 8.0 / jerk)]
+    assert max(speeds) == pytest.approx(stop.fastest)
+    assert stop.fastest == pytest.approx(0.5 + 32.0 / jerk)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("left", [0.2, 0.3, 0.35, 0.4, 0.45, 0.49])
+def test_a_stop_that_brakes_harder_than_it_needs_to_is_within_its_span(side, left):
+    """It comes back a little, or far, while the acceleration is taken back."""
+    for jerk in (100.0, 1000.0):
+        state = (0.0, side * left * 100.0 / jerk, -side * 10.0)
+        stop, (middle, reach) = joint_stop(state, 10.0, jerk), span(state, 10.0, jerk)
+        low, high = stop.extent()
+        assert stop.reverses is False or side * stop.end < max(side * low, side * high)
+        assert middle - reach - 1e-9 <= low
+        assert high <= middle + reach + 1e-9
+
+
 @settings(max_examples=500, deadline=None, derandomize=True)
 @given(states, st.sampled_from([100.0, 1000.0]))
 def test_a_stop_lies_within_its_span_and_reverses_only_when_it_says_so(state, jerk):

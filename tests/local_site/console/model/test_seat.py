@@ -44,6 +44,21 @@ def test_the_first_page_operates_and_the_second_is_told_so(room: Room) -> None:
     assert "page 1 (127.0.0.1) operates" in refused.sentence
 
 
+def test_where_nobody_may_operate_nobody_gets_the_seat() -> None:
+    seat = Seat(open_=False)
+    seat.arrive(ANNA, 0)
+    refused = seat.take(ANNA, 0)
+    assert not refused.done
+    assert "only watches" in refused.sentence
+    assert seat.occupant is None
+
+
+def test_a_page_that_is_silent_keeps_the_seat_for_five_seconds(room: Room) -> None:
+    assert not room.seat.take(BEN, room.now_ns + 5 * NS_PER_S).done
+    assert room.seat.take(BEN, room.now_ns + 5 * NS_PER_S + 1).done
+    assert room.seat.occupant == BEN
+
+
 def test_a_press_counts_after_the_key_was_seen_up(room: Room) -> None:
     assert not room.beats(5, down=True)
     room.beats(1, down=False)
