@@ -14,7 +14,7 @@ EXPLAINED = {
     "remote_site/drivers/supervisor/write_scheduler.py:reach: 0 -> 1": "a nanosecond of the plan moves no joint",
     "remote_site/drivers/supervisor/writer.py:hand_over: 0 -> 1": "two nanoseconds of the plan move no joint",
     "remote_site/drivers/supervisor/writer.py:hand_over: max(self.plan_ns, self.written_ns) -> "
-    "min(self.plan_ns, self.written_ns)": "the same stop at other instants of it: what the robot has passed is not added",
+    "min(self.plan_ns, self.written_ns)": "the same stop at other instants: what the robot has passed is not added",
     "remote_site/drivers/supervisor/plausible_motion.py:bounds: 0 -> 1": "a nanosecond moves no joint",
     "remote_site/drivers/position_arm/threaded_calls.py:_stuck: self._clock.now_ns() - call[1] > STUCK_NS -> "
     "self._clock.now_ns() - call[1] >= STUCK_NS": "a call of exactly 100 ms, to the nanosecond, may count as either",
