@@ -49,7 +49,14 @@ EXPLAINED = {
     f"{ASSIST}/standing_marker.py:_moved_by: angle_rad <= MOVED_RAD -> angle_rad < MOVED_RAD": "a turn of exactly "
     "3 deg, to the last bit, may count as either",
     "remote_site/session/lease.py:__init__: 0 -> 1": "nobody has asked yet, and who asks sets it",
+    "remote_site/drivers/supervisor/write_scheduler.py:reach: 0 -> 1": "a nanosecond of the plan moves no joint",
+    "remote_site/drivers/supervisor/writer.py:hand_over: 0 -> 1": "two nanoseconds of the plan move no joint",
+    "remote_site/drivers/supervisor/writer.py:hand_over: max(self.plan_ns, self.written_ns) -> "
+    "min(self.plan_ns, self.written_ns)": "the same stop at other instants: what the robot has passed is not added",
     "remote_site/drivers/supervisor/plausible_motion.py:bounds: 0 -> 1": "a nanosecond moves no joint",
+    "remote_site/drivers/position_arm/threaded_calls.py:_stuck: self._clock.now_ns() - call[1] > STUCK_NS -> "
+    "self._clock.now_ns() - call[1] >= STUCK_NS": "a call of exactly 100 ms, to the nanosecond, may count as either",
+    "remote_site/drivers/position_arm/threaded_calls.py:_idle_s: 0 -> 1": "it then waits for a nanosecond",
     "remote_site/safety/stopping.py:span: 0.0 -> 1.0": "a bound that is wider, and still one",
     "common/mapping/rotation_mapping.py:_update: if self._scale == 1.0: -> if False:": "a shortcut: at a scale of 1 "
     "both ways give the same turn, up to rounding",
@@ -58,6 +65,8 @@ EXPLAINED = {
     "remote_site/teleop/followed_orientation.py:_turned: if np.isinf(most).all(): -> if False:": QUICKER,
     "remote_site/teleop/followed_orientation.py:_take_back: t_ns <= born_ns - TAKEN_BACK_NS -> "
     "t_ns < born_ns - TAKEN_BACK_NS": "an orientation of exactly 150 ms before, to the nanosecond, may count as either",
+    "remote_site/teleop/tool_target.py:_elapsed_s: 0 -> 1": "no target is aimed before the first capture, and a "
+    "nanosecond would not move it",
     "remote_site/teleop/tool_target.py:_strayed: fraction * way > MOST_M -> fraction * way >= MOST_M": "a way of "
     "exactly 30 mm, to the last bit, may count as either",
 }

@@ -30,6 +30,7 @@ MAPPING = _tests(TELEOP, "mapping", "clutch", "tool_target", "turning_target", "
 PIPELINE = (
     *_tests(TELEOP, "pipeline", "lease_in_pipeline", "gripper_toggles", "gripper_baseline", "clutch", "replay"),
     SURVIVING,
+    TESTS / "assist" / "test_assist_in_pipeline.py",
 )
 FOLLOWING = (MOTION, *_tests(TELEOP, "catch_up", "quick_aims", "slowed_arm", "other_arms"), SURVIVING)
 LEASH = (MOTION / "test_leash.py", TELEOP / "test_tool_target.py")

@@ -89,8 +89,7 @@ class RelativeMapping:
     def bounded(self, settings: OperatorSettings) -> OperatorSettings:
         """The settings with their scale such that its product with the configured one is in `scale_range`."""
         least, most = (bound / self._config.scale for bound in self._config.scale_range)
-        scale = min(max(settings.scale, least), most)
-        return settings if scale == settings.scale else replace(settings, scale=scale)
+        return replace(settings, scale=min(max(settings.scale, least), most))
 
     def reference(self, sample: HandArm, hand_R_followed: Array | None) -> MappingReference | None:
         """What the next targets count from, after that of `sample`; None where they depend on the tool too.

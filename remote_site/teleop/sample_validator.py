@@ -32,10 +32,8 @@ class SampleValidator:
         self._age_limit = age_limit
         self._latch_ns = round(config.t_latch_ms * NS_PER_MS)
         self.rejected: Counter[Code] = Counter()
-        self._session: int | None = None
         self.clock: ClockSync | None = None
-        self._seq = -1
-        self._capture_ns = -1
+        self._newest: HandArm | None = None
         self._last: Accepted | None = None
         self._jumps = 0
         self._gate = OrientationGate(config)
@@ -91,23 +89,19 @@ class SampleValidator:
             return reason(Code.FUTURE, ahead_ms=-age_ns / NS_PER_MS)
         self._age_limit.see(sample, now_ns - age_ns, now_ns)
         # Whatever its number: one that was damaged does not make all samples after it old.
-        if sample.session == self._session and sample.capture_ns <= self._capture_ns:
-            return self._repeated(sample)  # whatever its age: a copy that came last says nothing about the newest
+        newest = self._newest
+        if newest is not None and sample.session == newest.session and sample.capture_ns <= newest.capture_ns:
+            return _repeated(sample, newest)  # whatever its age: a copy that came last says nothing about the newest
         if age_ns > (limit_ns := self._age_limit.soft_ns):
             return reason(Code.STALE, age_ms=age_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
         return None
 
-    def _repeated(self, sample: HandArm) -> Reason:
-        if sample.seq == self._seq:
-            return reason(Code.DUPLICATE, seq=sample.seq)
-        return reason(Code.OLD, seq=sample.seq, newest=self._seq)
-
     def _remember(self, sample: HandArm) -> bool:
-        """Note the sample's position in the sequence; True when it opens a new local session after another."""
-        new_session = self._session is not None and sample.session != self._session
+        """Note the sample as the newest; True when it opens a new local session after another."""
+        new_session = self._newest is not None and sample.session != self._newest.session
         if new_session:
             self._last, self._jumps = None, 0
-        self._session, self._seq, self._capture_ns = sample.session, sample.seq, sample.capture_ns
+        self._newest = sample
         return new_session
 
     def _jump(self, position: Array, capture_ns: int) -> Reason | None:
@@ -139,6 +133,12 @@ def clock_offset(clock: ClockSync | None, now_ns: int) -> ClockOffset | Reason:
     if age_ns > OFFSET_VALID_NS:
         return reason(Code.OLD_OFFSET, age_ms=age_ns / NS_PER_MS, limit_ms=OFFSET_VALID_NS / NS_PER_MS)
     return ClockOffset(-clock.remote_minus_local_ns, clock.uncertainty_ns)
+
+
+def _repeated(sample: HandArm, newest: HandArm) -> Reason:
+    if sample.seq == newest.seq:
+        return reason(Code.DUPLICATE, seq=sample.seq)
+    return reason(Code.OLD, seq=sample.seq, newest=newest.seq)
 
 
 def _not_tracked(sample: HandArm) -> Reason:

@@ -8,6 +8,7 @@ from common.clock import NS_PER_MS
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.age_limit import AgeLimit
+from remote_site.session.link_ages import LinkAges
 from tests.remote_site.remote_loop import hand
 
 PERIOD_MS = 33
@@ -56,6 +57,11 @@ def test_it_covers_the_age_that_samples_reach_before_the_next_one_comes(age_ms: 
 
 def test_it_never_exceeds_400_ms() -> None:
     assert Link().bring([390.0] * 60).ms == 400
+
+
+@pytest.mark.parametrize(("age_ms", "limit_ms"), [(500, 400), (501, 100)])
+def test_only_an_age_beyond_the_latch_time_is_an_outage(age_ms: float, limit_ms: float) -> None:
+    assert Link(t_latch_ms=500).bring([age_ms] * 60).ms == limit_ms
 
 
 def test_a_short_latch_keeps_it_shorter_still() -> None:
@@ -161,6 +167,16 @@ def test_cameras_slower_than_the_limit_are_named_with_the_rate_and_the_limit(saf
     assert refusal.code is Code.SAMPLES_RARE
     assert refusal.sentence.startswith("a hand sample comes only each 140 ms, but is obeyed for 125 ms at most. Cure:")
     assert "more pictures a second" in refusal.sentence
+
+
+@pytest.mark.parametrize(("period_ms", "rare"), [(124, False), (125, True)])
+def test_a_sample_that_comes_as_rarely_as_one_is_obeyed_is_too_rare(period_ms: float, rare: bool) -> None:
+    assert (spaced(period_ms, 40, t_soft_ms=125.0).limit.too_rare() is not None) is rare
+
+
+def test_of_a_link_that_has_brought_nothing_nothing_is_known() -> None:
+    ages = LinkAges(500 * NS_PER_MS)
+    assert (ages.usual_ns(), ages.spacing_ns(), ages.needed_ns(0)) == ((0, 0), 0, 0)
 
 
 def test_a_longer_limit_serves_slower_cameras_and_lost_samples_are_none_of_theirs() -> None:

@@ -4,13 +4,16 @@ from dataclasses import replace
 
 import pytest
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.robot import SessionState
 from remote_site.reasons import Code, reason
-from remote_site.session.config import EngagementMode
+from remote_site.safety.config import SafetyConfig
+from remote_site.session.age_limit import AgeLimit
+from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.hand_signal import AGAIN_FRAMES
 from remote_site.session.samples import Rejected
-from remote_site.session.state_machine import Action
+from remote_site.session.state_machine import Action, Session
+from tests.remote_site.remote_loop import hand
 from tests.remote_site.session.session_rig import (
     DEAD,
     JUMPS,
@@ -42,6 +45,34 @@ def test_manual_engagement_waits_to_be_asked():
     assert rig.frames(60).state is SessionState.DISENGAGED
     assert rig.session.request_engage(rig.now_ns, READY).done
     assert rig.wait(4).action is Action.CAPTURE
+
+
+def test_engagements_are_counted_one_by_one():
+    rig = SessionRig(mode=EngagementMode.ON_REQUEST)
+    counts = []
+    for _ in range(3):
+        rig.frames(40)
+        rig.session.request_engage(rig.now_ns, READY)
+        rig.frames(5)
+        counts.append(rig.session.engagements)
+        rig.session.request_disengage(rig.now_ns)
+    assert counts == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("period_ms", "age_ms", "expected"), [(140, 60, Code.SAMPLES_RARE), (33, 420, Code.LINK_TOO_SLOW)]
+)
+def test_neither_rare_samples_nor_a_slow_link_can_be_engaged_with(period_ms, age_ms, expected):
+    safety, now_ns = SafetyConfig(), 10 * NS_PER_S
+    limit = AgeLimit(safety)
+    session = Session(safety, EngagementConfig(), limit)
+    session.authorise(LEASE)
+    for seq in range(40):
+        now_ns += period_ms * NS_PER_MS
+        limit.see(hand(seq, now_ns), now_ns, now_ns + age_ms * NS_PER_MS)
+        limit.settle(0.0)
+    session.sample(good(now_ns))
+    assert session.readiness(now_ns, READY).reason.code is expected
 
 
 def test_good_samples_before_the_first_tick_engage_nothing_unasked():

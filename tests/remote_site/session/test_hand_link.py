@@ -54,10 +54,22 @@ def test_what_comes_after_a_newer_sample_tells_nothing_about_the_time_that_the_l
     meter = HandLinkMeter()
     for seq in range(40):
         now_ns = arrive(meter, seq, network_ms=20.0)
-    for seq in range(40):
+    for seq in [*range(40), *[39] * 40]:
+        now_ns += NS_PER_MS
         meter.arrive(sample(seq), ClockOffset(APART_MS * NS_PER_MS, 0), now_ns)
     link = measured(meter, now_ns)
     assert (link.network_ms, link.interval_ms, link.jitter_ms, link.loss) == (20.0, PERIOD_MS, 0.0, 0.0)
+
+
+def test_the_figures_are_measured_five_times_a_second() -> None:
+    meter = HandLinkMeter()
+    for seq in range(40):
+        now_ns = arrive(meter, seq, network_ms=20.0)
+    first = measured(meter, now_ns)
+    for seq in range(40, 120):
+        arrive(meter, seq, network_ms=90.0)
+    assert meter.figures(now_ns + 200 * NS_PER_MS - 1) is first
+    assert measured(meter, now_ns + 200 * NS_PER_MS).network_ms == 90.0
 
 
 def test_half_a_round_trip_is_what_most_samples_show() -> None:

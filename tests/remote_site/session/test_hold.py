@@ -5,6 +5,8 @@ import pytest
 from common.clock import NS_PER_MS
 from common.messages.robot import SessionState
 from remote_site.reasons import Code, reason
+from remote_site.safety.config import SafetyConfig
+from remote_site.session.hold import APART_NS, Hold
 from remote_site.session.samples import Rejected
 from remote_site.session.state_machine import Action, Decision
 from tests.remote_site.session.session_rig import LOST, NO_OFFSET, PERIOD, READY, SessionRig, engaged, good
@@ -107,6 +109,16 @@ def test_a_hold_soon_after_another_lasts_a_second_at_least() -> None:
     count, decision = until_it_follows(rig)
     assert 5 + count == pytest.approx(1000 / 33, abs=1.5)
     assert decision.action is Action.CAPTURE
+
+
+@pytest.mark.parametrize(("apart_ns", "code"), [(APART_NS - 1, Code.UNSTEADY), (APART_NS, None)])
+def test_a_hold_earns_its_end_where_it_begins_within_five_seconds_of_another(apart_ns: int, code: Code | None) -> None:
+    hold = Hold(SafetyConfig())
+    hold.begin(0)
+    hold.begin(apart_ns)
+    why = hold.unearned(apart_ns + 250 * NS_PER_MS)
+    assert (why.code if why is not None else None) is code
+    assert why is None or "250 of 1000 ms" in why.sentence
 
 
 def test_samples_that_came_before_the_hold_do_not_end_it() -> None:

@@ -127,6 +127,13 @@ def test_an_improper_rotation_is_refused(rows):
         RelativeMapping(MappingConfig(base_R_operator=rows))
 
 
+@pytest.mark.parametrize(("scale", "in_force"), [(0.1, 0.5), (0.5, 0.5), (1.0, 1.0), (1.5, 1.5), (9.0, 1.5)])
+def test_the_operators_scale_times_the_configured_one_stays_in_the_range(scale, in_force):
+    mapping = RelativeMapping(MappingConfig(scale=2.0, scale_range=(1.0, 3.0)))
+    asked = OperatorSettings(lease=3, revision=4, scale=scale)
+    assert mapping.bounded(asked) == OperatorSettings(lease=3, revision=4, scale=in_force)
+
+
 def test_the_angles_of_the_thesis():
     wrist = np.array([0.1, 0.2, 0.3])
     ahead, across = np.array([0.1, 0.0, 0.0]), np.array([0.0, 0.03, 0.0])

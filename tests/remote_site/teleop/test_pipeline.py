@@ -9,7 +9,10 @@ from common.clock import NS_PER_MS
 from common.messages.hand import TrackingStatus
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
+from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.safety.stopping import stop_time
+from remote_site.session.requests import SessionRequest
+from remote_site.teleop.cycle import CycleInput, RobotObservation
 from tests.remote_site.remote_loop import (
     TICK_NS,
     RemoteLoop,
@@ -243,3 +246,18 @@ def test_over_a_slow_link_the_age_limit_grows_and_the_arm_follows():
         loop.tick(*([] if k % SAMPLE_TICKS else [hand(k + 1, loop.clock.now_ns() - 120 * NS_PER_MS)]))
     assert loop.snapshot.age_limit_ms > 120
     assert loop.states[-1] is SessionState.ENGAGED
+
+
+@pytest.mark.parametrize("fault", [FaultCode.COMMAND_TIMEOUT, FaultCode.ROBOT])
+def test_a_robot_is_activated_again_where_it_is_read(fault):
+    """It may have sunk since it was sent anywhere; of itself, or with the reset that it takes."""
+    loop = RemoteLoop()
+    robot = RobotObservation(loop.sent.q + 0.01, RobotFault(fault, "says the robot"), loop.sent, None)
+    now_ns = loop.clock.now_ns() + TICK_NS
+    command = loop.pipeline.cycle(CycleInput(now_ns, robot, loop.leases.status(now_ns)))
+    if fault is FaultCode.ROBOT:
+        assert command.activate_at is None
+        reset = SessionRequest(EngagementAction.RESET, "service", maintenance=True, seen_ns=command.snapshot.halted_ns)
+        given = CycleInput(now_ns + TICK_NS, robot, loop.leases.status(now_ns), requests=(reset,))
+        command = loop.pipeline.cycle(given)
+    assert command.activate_at == pytest.approx(robot.q)

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_S
+from common.geometry import angle_between, rotation_from_vector, transform
 from common.messages.hand import Intent, OperatorSettings
 from common.messages.robot import GripperCommand, SessionState
 from remote_site.config import RemoteConfig
+from remote_site.motion.catch_up import CATCH_UP_M_S, CATCH_UP_RAD_S
 from remote_site.teleop.config import MappingConfig
+from remote_site.teleop.hold_offset import HoldOffset
 from tests.remote_site.remote_loop import Point, RemoteLoop, assert_within_limits
 
 SILENT_TICKS = 48  # 192 ms without a sample: a hold of some 190 ms with the samples that end it
@@ -63,6 +66,22 @@ def test_it_is_led_there_at_50_mm_a_second_while_the_hand_rests() -> None:
     over_100_ms = np.linalg.norm(tools[25:] - tools[:-25], axis=1) / 0.1
     assert over_100_ms.max() <= 0.05
     assert over_100_ms.max() >= 0.025
+
+
+@pytest.mark.parametrize(("way_m", "turn_rad"), [(0.029, 0.0), (0.0, 0.17), (0.029, 0.17)])
+def test_what_making_up_the_hold_does_not_need_of_the_catch_up_speed_is_left(way_m: float, turn_rad: float) -> None:
+    offset, tick_s = HoldOffset(), 0.004
+    last = transform(rotation_from_vector(np.array([0.0, 0.0, turn_rad])), np.array([way_m, 0.0, 0.0]))
+    assert offset.spare == 1.0
+    assert offset.begin(np.eye(4), last)
+    for _ in range(1000):
+        target = offset.apply(np.eye(4), tick_s)
+        way_m_s = math.dist(last[:3, 3], target[:3, 3]) / tick_s
+        turn_rad_s = angle_between(last[:3, :3], target[:3, :3]) / tick_s
+        assert max(way_m_s / CATCH_UP_M_S, turn_rad_s / CATCH_UP_RAD_S) <= 1.0 - offset.spare + 1e-6 <= 1.0
+        last = target
+    assert target == pytest.approx(np.eye(4))
+    assert offset.spare == 1.0
 
 
 def test_a_hand_that_went_further_than_30_mm_gives_new_origins_and_the_shift_is_published() -> None:

@@ -132,6 +132,27 @@ def test_the_elbow_is_seen_from_the_wrist_in_the_bases_axes():
     assert captured().aim(unsure, AS_GRANTED, START, START, NOW).elbow is None
 
 
+def test_new_origins_in_an_engagement_name_exactly_how_far_they_move_the_target():
+    target = captured(leash_m=1.0)
+    target.capture(sample((0.0, 0.09, 0.0)), AS_GRANTED, START, 3)
+    assert target.engagement.shift_mm == pytest.approx(90.0)
+    target.capture(sample((0.0, 0.03, 0.0)), AS_GRANTED, START, 4)
+    assert target.engagement.shift_mm == 0.0
+
+
+def test_a_hold_that_no_newer_sample_ends_gives_new_origins():
+    target = captured()
+    assert target.resume(sample(), AS_GRANTED, START, BORN) is False
+
+
+def test_what_a_hold_has_left_to_make_up_does_not_move_a_target_that_was_led_meanwhile():
+    target, moved = captured(), sample((0.02, 0.0, 0.0), BORN + 100 * NS_PER_MS)
+    assert target.resume(moved, AS_GRANTED, START, BORN + 20 * NS_PER_MS)
+    target.lead(TOOL, moved, START, START, NOW)
+    target.rebase(moved, AS_GRANTED)
+    assert target.aim(moved, AS_GRANTED, START, START, NOW).base_T_target == pytest.approx(TOOL)
+
+
 @pytest.mark.parametrize(("way_m", "resumes"), [(0.03, True), (0.035, True), (0.045, False)])
 def test_after_a_hold_the_hands_own_way_counts_however_it_is_scaled(way_m, resumes):
     """It began 20 ms after the last sample that was followed, and ends 80 ms later: four fifths of the way count."""

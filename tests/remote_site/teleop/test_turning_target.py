@@ -81,6 +81,17 @@ def test_a_capture_takes_a_new_reference_so_nothing_is_made_up():
     assert deg(target) == pytest.approx(0.0, abs=1e-6)
 
 
+def test_where_a_led_target_is_given_back_the_hand_goes_on_from_it_however_it_turned_meanwhile():
+    target = captured()
+    held = MODEL.forward(START)
+    for k in range(1, 10):
+        target.lead(held, turned(k, 3.0 * k, SLOW), START, START, NOW)
+    target.rebase(turned(10, 30.0, SLOW), OperatorSettings())
+    for k in range(11, 40):
+        aimed(target, turned(k, 30.0, SLOW))
+        assert deg(target) == pytest.approx(0.0, abs=1e-6)
+
+
 def test_after_a_short_hold_it_goes_on_with_the_lag_from_before():
     target = captured()
     aimed(target, turned(1, 20.0, NEVER))

@@ -7,7 +7,7 @@ import pytest
 
 from common.clock import NS_PER_S
 from common.errors import DriverError
-from remote_site.drivers.position_arm.held_posture import RESTS_RAD_S, HeldPosture
+from remote_site.drivers.position_arm.held_posture import HANGS_RAD, RESTS_RAD_S, HeldPosture
 from remote_site.kinematics.joints import JointMotion
 from tests.contracts.driver_stands import SETUP
 from tests.contracts.position_arms import BrakingArm, ServoArm, StopsHard
@@ -166,3 +166,10 @@ def test_a_joint_is_known_to_hold_where_it_was_sent_unless_it_was_in_motion(spee
     posture.sent(motion, NS_PER_S)
     posture.stopped(motion, SETUP.limits, NS_PER_S)
     assert posture.hang(SETUP.joint_names, START, START - 0.01 * SECOND)[1] == pytest.approx(held)
+
+
+def test_an_arm_that_hangs_as_far_as_one_may_is_activated_and_one_that_hangs_farther_is_not() -> None:
+    posture, sent = HeldPosture(6, 0.1, brakes=False), np.zeros(6)
+    assert posture.hang(SETUP.joint_names, sent, HANGS_RAD * SECOND) == pytest.approx(-HANGS_RAD * SECOND)
+    with pytest.raises(DriverError, match="check its sensor"):
+        posture.hang(SETUP.joint_names, sent, 1.0001 * HANGS_RAD * SECOND)

@@ -33,10 +33,11 @@ def test_a_reading_has_the_time_before_it_was_asked_for():
     assert driven.turns(200).t_ns == driven.arm.asked_ns
 
 
-def test_it_is_read_at_its_rate_and_not_in_every_turn():
-    driven = DrivenArm(rate_hz=50.0)
+@pytest.mark.parametrize("rate_hz", [50.0, 70.0])
+def test_it_is_read_at_its_rate_and_not_in_every_turn(rate_hz):
+    driven = DrivenArm(rate_hz=rate_hz)
     driven.turns(1000)
-    assert driven.arm.calls.count("read") == pytest.approx(50, abs=1)
+    assert driven.arm.calls.count("read") == pytest.approx(rate_hz, abs=1)
 
 
 @pytest.mark.parametrize("kind", [Stamped, Sparing])

@@ -280,6 +280,12 @@ def test_the_end_waits_for_the_stop_and_the_close(arm, driver):
     assert [call for call in arm.calls if call != ("read",)] == [("stop",), ("close",)]
 
 
+def test_an_arm_that_no_thread_has_called_is_let_go_of_all_the_same():
+    arm = WaitingArm()
+    PositionArmDriver(arm, MonotonicClock()).deactivate()
+    assert arm.calls == [("close",)]
+
+
 def test_an_end_that_a_call_keeps_waiting_is_an_error(arm, driver):
     arm.gates["read"].clear()
     until(lambda: arm.at_once)

@@ -28,9 +28,9 @@ SETUP = DriverSetup(MODEL.joint_names, LIMITS, DT, 50 * NS_PER_MS, start=START)
 class TroubledRobot(KinematicDriver):
     """A kinematic robot that can be given faults, and that keeps what was written."""
 
-    def __init__(self, clock: FakeClock, rate_hz: float, lag_ms: float) -> None:
+    def __init__(self, clock: FakeClock, rate_hz: float, lag_ms: float, *, holds: bool) -> None:
         super().__init__(clock)
-        self.fake_clock, self.rate_hz, self.lag_ms = clock, rate_hz, lag_ms
+        self.fake_clock, self.rate_hz, self.lag_ms, self.holds = clock, rate_hz, lag_ms, holds
         self.written: list[JointCommand] = []
         self.trouble: RobotFault | None = None
         self.opening_m: float | None = None
@@ -40,7 +40,9 @@ class TroubledRobot(KinematicDriver):
 
     @property
     def capabilities(self) -> Capabilities:
-        return Capabilities(self.rate_hz, None, gripper=True, force=False, watchdog_ms=None, lag_ms=self.lag_ms)
+        return Capabilities(
+            self.rate_hz, None, gripper=True, force=False, watchdog_ms=None, lag_ms=self.lag_ms, holds=self.holds
+        )
 
     def activate(self, q0: Array) -> None:
         self.activations += 1
@@ -82,9 +84,9 @@ class Mark:
 class Supervised:
     """A supervised robot on stepped time, and control that plans towards a goal."""
 
-    def __init__(self, rate_hz: float = 1000.0, lag_ms: float = 0.0) -> None:
+    def __init__(self, rate_hz: float = 1000.0, lag_ms: float = 0.0, *, holds: bool = False) -> None:
         self.clock = FakeClock(1_000 * NS_PER_MS)
-        self.robot, self.mark = TroubledRobot(self.clock, rate_hz, lag_ms), Mark()
+        self.robot, self.mark = TroubledRobot(self.clock, rate_hz, lag_ms, holds=holds), Mark()
         self.robot.configure(SETUP)
         self.supervisor = DriverSupervisor(self.robot, SETUP, self.clock, self.mark, GripWatch(GripSettings()))
         self.tracker = JerkLimitedTracker(LIMITS, DT)

@@ -1,7 +1,7 @@
 """What the gripper is ordered reaches the driver within a second, in no stop, and never from before an activation."""
 
 from common.clock import NS_PER_MS
-from common.messages.robot import GripperCommand
+from common.messages.robot import GripperCommand, GripperStatus
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.gripper_orders import ORDER_NS, GripperOrders
 from tests.remote_site.drivers.supervisor.supervised import Supervised
@@ -139,3 +139,15 @@ def test_what_has_begun_goes_on_while_late_commands_have_the_arm_braked() -> Non
     supervised.turn(supervised.order(supervised.motion, run=False))
     supervised.turns(20)
     assert given(supervised)[1:] == [KEEP] * 20
+
+
+def test_a_gripper_whose_order_a_stop_has_withdrawn_is_ordered_nothing_and_cannot_be_late() -> None:
+    supervised = Supervised()
+    supervised.robot.opening_m = 0.02  # it does not answer
+    supervised.activate()
+    supervised.command(supervised.motion, gripper=CLOSED)
+    supervised.turn(supervised.order(supervised.motion, run=False))
+    supervised.turns(1200)
+    state = supervised.supervisor.grip.state
+    assert state is not None
+    assert (state.commanded, state.status) == (KEEP, GripperStatus.UNKNOWN)

@@ -1,10 +1,12 @@
 """The command watchdog and the verified stop: after three missed ticks, after the time-out, and on order."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS
-from remote_site.drivers.faults import STOPPED, FaultCode
+from remote_site.drivers.faults import STOPPED, FaultCode, RobotFault
 from remote_site.drivers.supervisor.state import SupervisorState
 from remote_site.drivers.supervisor.stop_plan import StopPlan
 from remote_site.kinematics.joints import JointMotion
@@ -95,6 +97,32 @@ def test_control_may_be_silent_for_exactly_as_long_as_the_time_out(rig: Supervis
     assert rig.supervisor.fault is None
     rig.turn(ms=0.001)
     assert rig.fault().code is FaultCode.COMMAND_TIMEOUT
+    assert rig.fault().sentence.startswith("no command for 50 ms (limit 50 ms)")
+
+
+def test_a_pause_of_the_drivers_process_of_less_than_half_the_time_out_is_silence_of_control(rig: Supervised) -> None:
+    rig.activate()
+    rig.command(rig.sent)
+    rig.turn(ms=24)
+    rig.stumble(26.0)
+    assert rig.supervisor.fault is None
+    rig.turn(ms=0.001)
+    assert rig.fault().code is FaultCode.COMMAND_TIMEOUT
+
+
+def test_a_robot_that_is_active_or_moves_has_not_settled(rig: Supervised) -> None:
+    rig.turn()
+    assert rig.supervisor.settled
+    rig.activate().command(rig.sent)
+    assert not rig.supervisor.settled
+    rig.robot.trouble = RobotFault(FaultCode.ROBOT, "it brakes by itself")
+    rig.robot.spoil = lambda reading: replace(reading, dq=reading.dq + 0.1)
+    rig.turn()
+    assert rig.supervisor.state is SupervisorState.IDLE
+    assert not rig.supervisor.settled
+    rig.robot.spoil = lambda reading: reading
+    rig.turn()
+    assert rig.supervisor.settled
 
 
 def test_before_its_onset_a_stop_is_the_motion_that_it_begins_from() -> None:

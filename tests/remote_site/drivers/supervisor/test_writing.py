@@ -1,12 +1,16 @@
 """What is written to the robot: every command as it is, numbered, at the robot's rate, within its jerk."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.supervisor.state import SupervisorState
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION, WriteScheduler
+from remote_site.drivers.supervisor.writer import ObeyedCommands
 from remote_site.kinematics.joints import JointMotion
+from remote_site.motion.jerk_limited import JerkLimitedTracker
 from tests.remote_site.drivers.supervisor.supervised import DT, LIMITS, START, Supervised, assert_smooth
 
 
@@ -98,3 +102,41 @@ def test_what_follows_a_part_of_the_stop_takes_the_time_that_is_left_to_it(extra
     may_reach_ns = 3 * NS_PER_MS / LEAST_FRACTION - extra_ms * NS_PER_MS
     assert reached_ns == pytest.approx(max(may_reach_ns, 0), abs=2)
     assert scheduler.due_ns == pytest.approx(3e6 + LEAST_FRACTION * (16e6 - may_reach_ns), abs=2)
+
+
+@pytest.mark.parametrize("rate_hz", [30.0, 100.0])
+def test_a_robot_that_holds_goes_no_faster_after_a_pause_than_before(rate_hz: float) -> None:
+    """Control orders on while the driver's process pauses: the robot would have waited where it was sent."""
+    rig = Supervised(rate_hz, holds=True)
+    rig.tracker = JerkLimitedTracker(LIMITS.scaled_speed(0.25), DT)
+    rig.activate().commands(100)
+    orders = []
+    for _ in range(11):
+        rig.sent = rig.plan()
+        rig.clock.advance_ms(DT * 1e3)
+        orders.append(rig.order(rig.sent))
+    paused = len(rig.robot.written)
+    rig.turn(*orders, ms=0)
+    rig.command(rig.stop_at(4))
+    rig.commands(400)
+    q = np.array([c.q[0] for c in rig.robot.written])
+    steps = np.diff(q)
+    assert rig.supervisor.fault is None
+    assert steps[paused - 1 :].max() <= steps[: paused - 1].max() / LEAST_FRACTION * 1.01
+    assert q[-1] == pytest.approx(START[0] + 0.8, abs=1e-6)
+
+
+def test_what_the_robot_obeys_never_goes_back() -> None:
+    obeyed = ObeyedCommands()
+    first, second = obeyed.number(11), obeyed.number(12)
+    obeyed.confirm(second)
+    obeyed.confirm(first)  # as of a reading that was overtaken
+    assert obeyed.seq == 12
+
+
+def test_an_arm_that_takes_no_commands_is_commanded_to_where_it_is_read(rig: Supervised) -> None:
+    """So its next plan begins there, however it was moved meanwhile."""
+    rig.robot.spoil = lambda reading: replace(reading, q=reading.q + 0.001)
+    rig.turn()
+    assert rig.motion.q == pytest.approx(START + 0.001)
+    assert rig.motion.resting
