@@ -134,6 +134,15 @@ class Code(StrEnum):
         "no page operates: open the operator's page and take the controls; to operate without a page, "
         "release the lease and take it again",
     )
+    CLUTCHED = "clutched", "the clutch is held: the arm stays while you move your hand; let go to go on"
+    CLUTCH_UNSEEN = (
+        "clutch_unseen",
+        "nobody saw the clutch let go, since the page was hidden, silent or late: press it again, and let go",
+    )
+    CLUTCH_SETTLING = (
+        "clutch_settling",
+        "the clutch is let go: the arm waits until your hand was calm for {calm_ms:.0f} ms",
+    )
     PAUSED = "paused", "control paused for {paused_ms:.0f} ms (limit {limit_ms:.0f} ms)"
     SLOW = (
         "slow",
