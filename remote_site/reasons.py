@@ -134,6 +134,12 @@ class Code(StrEnum):
         "no page operates: open the operator's page and take the controls; to operate without a page, "
         "release the lease and take it again",
     )
+    PAUSED = "paused", "control paused for {paused_ms:.0f} ms (limit {limit_ms:.0f} ms)"
+    SLOW = (
+        "slow",
+        "{who} has not kept up for a second: a turn takes {took_ms:.0f} ms (limit {limit_ms:.0f} ms); "
+        "end what else runs on this machine, or take a faster one",
+    )
     CLUTCHED = "clutched", "the clutch is held: the arm stays while you move your hand; let go to go on"
     CLUTCH_UNSEEN = (
         "clutch_unseen",
@@ -142,12 +148,6 @@ class Code(StrEnum):
     CLUTCH_SETTLING = (
         "clutch_settling",
         "the clutch is let go: the arm waits until your hand was calm for {calm_ms:.0f} ms",
-    )
-    PAUSED = "paused", "control paused for {paused_ms:.0f} ms (limit {limit_ms:.0f} ms)"
-    SLOW = (
-        "slow",
-        "{who} has not kept up for a second: a turn takes {took_ms:.0f} ms (limit {limit_ms:.0f} ms); "
-        "end what else runs on this machine, or take a faster one",
     )
     FAULT = "fault", "{cause}; reset it, then engage"
     # the target

@@ -154,76 +154,6 @@ def test_what_is_held_counts_only_where_its_button_was_shown_when_it_went_down(
     assert not page.evaluate(DOWN)
 
 
-def clutched(told: Told, key: str) -> None:
-    """Show the state until every beat reports the clutch so."""
-    told.page.page.evaluate(CLUTCHES)
-    told.until(f"the clutch {key}", lambda: set(told.page.page.evaluate(CLUTCHES)) == {key})
-
-
-@pytest.mark.parametrize("by", ["key", "button"])
-def test_the_clutch_is_down_while_it_is_held_and_what_is_next_is_said(overheard: Told, by: str) -> None:
-    shows(overheard, "engaged")
-    page = overheard.page.page
-    if by == "key":
-        page.keyboard.down("c")
-    else:
-        page.hover("#clutch")
-        page.mouse.down()
-    clutched(overheard, "down")
-    overheard.state = CLUTCHED
-    overheard.until("the word", lambda: overheard.page.state() == "clutched")
-    assert "let go of C to go on" in overheard.page.words("#step-words")
-    assert page.get_attribute("#clutch", "data-rank") == "next"
-    clutched(overheard, "down")
-    if by == "key":
-        page.keyboard.up("c")
-    else:
-        page.mouse.up()
-    clutched(overheard, "up")
-
-
-@pytest.mark.parametrize(
-    "unseen",
-    ["dispatchEvent(new Event('blur'))", "document.dispatchEvent(new Event('visibilitychange'))"],
-    ids=["blur", "hidden"],
-)
-def test_a_clutch_that_the_page_did_not_see_let_go_stays_until_it_is_pressed_again_and_let_go(
-    overheard: Told, unseen: str
-) -> None:
-    shows(overheard, "clutched")
-    page = overheard.page.page
-    page.keyboard.down("c")
-    clutched(overheard, "down")
-    page.evaluate(f"() => {{ {unseen}; }}")
-    clutched(overheard, "unseen")
-    page.keyboard.up("c")
-    clutched(overheard, "unseen")
-    page.keyboard.down("c")
-    clutched(overheard, "down")
-    page.keyboard.up("c")
-    clutched(overheard, "up")
-
-
-def test_a_clutch_whose_release_nobody_saw_can_be_pressed_again_while_disengaged(overheard: Told) -> None:
-    why = "nobody saw the clutch let go"
-    readiness = Readiness(False, "clutch_unseen", why, False)
-    overheard.state = partial(scene.state, SessionState.DISENGAGED, "latched", why, readiness=readiness)
-    overheard.until("the next step", lambda: "press C and let go" in overheard.page.words("#step-words"))
-    overheard.page.page.keyboard.down("c")
-    clutched(overheard, "down")
-    overheard.page.page.keyboard.up("c")
-    clutched(overheard, "up")
-
-
-def test_a_stop_leaves_the_clutch_as_it_is_held(overheard: Told) -> None:
-    shows(overheard, "clutched")
-    overheard.page.page.keyboard.down("c")
-    assert stops(overheard)
-    clutched(overheard, "down")
-    overheard.page.page.keyboard.up("c")
-    clutched(overheard, "up")
-
-
 def test_keys_of_what_is_folded_away_do_nothing(overheard: Told) -> None:
     shows(overheard, "ready")
     page = overheard.page.page
@@ -330,3 +260,73 @@ def test_escape_stops_without_a_state_of_the_remote_site(browser: object, robot:
         told.page.wait_for("the word", lambda: told.page.state() in ("no robot", "silent"))
         told.page.page.keyboard.press("Escape")
         told.page.wait_for("the stop", lambda: told.sites.asked == [STOP])
+
+
+def clutched(told: Told, key: str) -> None:
+    """Show the state until every beat reports the clutch so."""
+    told.page.page.evaluate(CLUTCHES)
+    told.until(f"the clutch {key}", lambda: set(told.page.page.evaluate(CLUTCHES)) == {key})
+
+
+@pytest.mark.parametrize("by", ["key", "button"])
+def test_the_clutch_is_down_while_it_is_held_and_what_is_next_is_said(overheard: Told, by: str) -> None:
+    shows(overheard, "engaged")
+    page = overheard.page.page
+    if by == "key":
+        page.keyboard.down("c")
+    else:
+        page.hover("#clutch")
+        page.mouse.down()
+    clutched(overheard, "down")
+    overheard.state = CLUTCHED
+    overheard.until("the word", lambda: overheard.page.state() == "clutched")
+    assert "let go of C to go on" in overheard.page.words("#step-words")
+    assert page.get_attribute("#clutch", "data-rank") == "next"
+    clutched(overheard, "down")
+    if by == "key":
+        page.keyboard.up("c")
+    else:
+        page.mouse.up()
+    clutched(overheard, "up")
+
+
+@pytest.mark.parametrize(
+    "unseen",
+    ["dispatchEvent(new Event('blur'))", "document.dispatchEvent(new Event('visibilitychange'))"],
+    ids=["blur", "hidden"],
+)
+def test_a_clutch_that_the_page_did_not_see_let_go_stays_until_it_is_pressed_again_and_let_go(
+    overheard: Told, unseen: str
+) -> None:
+    shows(overheard, "clutched")
+    page = overheard.page.page
+    page.keyboard.down("c")
+    clutched(overheard, "down")
+    page.evaluate(f"() => {{ {unseen}; }}")
+    clutched(overheard, "unseen")
+    page.keyboard.up("c")
+    clutched(overheard, "unseen")
+    page.keyboard.down("c")
+    clutched(overheard, "down")
+    page.keyboard.up("c")
+    clutched(overheard, "up")
+
+
+def test_a_clutch_whose_release_nobody_saw_can_be_pressed_again_while_disengaged(overheard: Told) -> None:
+    why = "nobody saw the clutch let go"
+    readiness = Readiness(False, "clutch_unseen", why, False)
+    overheard.state = partial(scene.state, SessionState.DISENGAGED, "latched", why, readiness=readiness)
+    overheard.until("the next step", lambda: "press C and let go" in overheard.page.words("#step-words"))
+    overheard.page.page.keyboard.down("c")
+    clutched(overheard, "down")
+    overheard.page.page.keyboard.up("c")
+    clutched(overheard, "up")
+
+
+def test_a_stop_leaves_the_clutch_as_it_is_held(overheard: Told) -> None:
+    shows(overheard, "clutched")
+    overheard.page.page.keyboard.down("c")
+    assert stops(overheard)
+    clutched(overheard, "down")
+    overheard.page.page.keyboard.up("c")
+    clutched(overheard, "up")

@@ -88,7 +88,7 @@ class _Replay:
         self.wanted: Array | None = None
 
     def is_followed(self, sample: HandArm) -> bool:
-        """Whether the arm can follow this sample: it shows the hand, clutch up, and the key down where one is needed."""
+        """Whether the arm can follow this sample: it shows the hand, clutch up, and key down where one is needed."""
         if sample.status in UNSEEN or shown_position(sample, self._point) is None:
             return False
         intent = sample.intent

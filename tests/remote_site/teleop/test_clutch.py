@@ -13,7 +13,10 @@ from common.messages.robot import GripperCommand, SessionState
 from remote_site.config import RemoteConfig
 from remote_site.reasons import Code
 from remote_site.session.config import EngagementConfig, EngagementMode
+from remote_site.teleop.cycle import Command, CycleInput
+from remote_site.teleop.pipeline import TeleopPipeline
 from tests.remote_site.remote_loop import Point, RemoteLoop, assert_within_limits, hand
+from tests.remote_site.teleop.cycle_log import Cycle, first_difference
 
 SAMPLE = 8  # ticks
 GOOD = 40 * SAMPLE
@@ -195,6 +198,27 @@ def test_another_operators_samples_neither_clutch_nor_let_go() -> None:
     loop.sender = ""
     loop.run(1, at(REACHED), intent=DOWN)
     assert loop.snapshot.reason.code is Code.CLUTCHED
+
+
+def test_a_recorded_clutch_comes_again_bit_for_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    cycles: list[Cycle] = []
+    true_cycle = TeleopPipeline.cycle
+
+    def recording(pipeline: TeleopPipeline, given: CycleInput) -> Command:
+        command = true_cycle(pipeline, given)
+        cycles.append((given, command))
+        return command
+
+    monkeypatch.setattr(TeleopPipeline, "cycle", recording)
+    loop = clutched()
+    loop.run(5 * SAMPLE, at(BACK), intent=UNSEEN)
+    loop.run(5 * SAMPLE, at(BACK), intent=DOWN)
+    loop.run(CALM, at(BACK), intent=UP)
+    loop.run(GOOD, moving(loop, BACK, (0.03, *BACK[1:]), 0.5), intent=UP)
+    monkeypatch.undo()
+    codes = {command.snapshot.reason.code for _, command in cycles}
+    assert codes >= {Code.CLUTCHED, Code.CLUTCH_UNSEEN, Code.CLUTCH_SETTLING, Code.OK}
+    assert first_difference(loop.config, cycles) == ""
 
 
 def test_a_stop_under_the_clutch_is_a_stop() -> None:
