@@ -140,6 +140,15 @@ class Code(StrEnum):
         "{who} has not kept up for a second: a turn takes {took_ms:.0f} ms (limit {limit_ms:.0f} ms); "
         "end what else runs on this machine, or take a faster one",
     )
+    CLUTCHED = "clutched", "the clutch is held: the arm stays while you move your hand; let go to go on"
+    CLUTCH_UNSEEN = (
+        "clutch_unseen",
+        "nobody saw the clutch let go, since the page was hidden, silent or late: press it again, and let go",
+    )
+    CLUTCH_SETTLING = (
+        "clutch_settling",
+        "the clutch is let go: the arm waits until your hand was calm for {calm_ms:.0f} ms",
+    )
     FAULT = "fault", "{cause}; reset it, then engage"
     # the target
     OUT_OF_REACH = (

@@ -26,9 +26,18 @@ LINK = (*_tests(TESTS / "session", "hand_link", "age_limit", "hold", "longest_ho
 PAGE = (TESTS / "session" / "test_operator_page.py", TELEOP / "test_operator_settings.py")
 VALIDATION = _tests(TELEOP, "sample_validator", "certainty", "turn_certainty", "orientation_gate")
 TURNS = _tests(TELEOP, "followed_orientation", "turning_target")
-MAPPING = _tests(TELEOP, "mapping", "clutch", "tool_target", "turning_target", "short_hold", "humanoid")
+MAPPING = _tests(TELEOP, "mapping", "new_origins", "tool_target", "turning_target", "short_hold", "humanoid")
 PIPELINE = (
-    *_tests(TELEOP, "pipeline", "lease_in_pipeline", "gripper_toggles", "gripper_baseline", "clutch", "replay"),
+    *_tests(
+        TELEOP,
+        "pipeline",
+        "lease_in_pipeline",
+        "gripper_toggles",
+        "gripper_baseline",
+        "clutch",
+        "new_origins",
+        "replay",
+    ),
     SURVIVING,
     TESTS / "assist" / "test_assist_in_pipeline.py",
 )
@@ -67,6 +76,7 @@ TARGETS = (
         fault_latch=6,
         lease=12,
         hold=6,
+        clutch=8,
     ),
     *_targets(REMOTE / "session", LINK, age_limit=8, hand_link_meter=8, hand_link_verdict=6, link_ages=6),
     *_targets(REMOTE / "session", PAGE, operator_page=6),

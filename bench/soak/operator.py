@@ -13,6 +13,7 @@ from common.geometry import Array, rotation_from_vector
 from common.messages.base import Vector3
 from common.messages.hand import (
     ClockSync,
+    ClutchKey,
     HandArm,
     Intent,
     Locks,
@@ -38,12 +39,13 @@ HAPPENINGS = {
     "poor": 0.05,
     "open": 0.01,
     "toggled": 0.01,
-    "clutch": 0.01,
+    "new origins": 0.01,
     "scaled": 0.01,
     "locked": 0.005,
     "clock unknown": 0.002,
     "handed over": 0.0007,
     "page silent": 0.002,
+    "clutched": 0.002,
 }
 
 
@@ -122,7 +124,7 @@ class RandomOperator:
             self.leases.release(self._lease.number, self._lease.holder, t_ns)
             self._lease = self._acquire(self._lease.holder.session + 1, t_ns)
             self._settings = OperatorSettings(lease=self._lease.number)
-        for kind in {"lost", "silent", "jump", "open", "page silent"}.intersection(kinds):
+        for kind in {"lost", "silent", "jump", "open", "page silent", "clutched"}.intersection(kinds):
             self._bad, self._until_ns = kind, t_ns + round(self._rng.uniform(30, 900) * NS_PER_MS)
         if t_ns >= self._until_ns:
             self._bad = ""
@@ -138,7 +140,7 @@ class RandomOperator:
 
     def _steer(self, kinds: list[str]) -> None:
         rng, settings = self._rng, self._settings
-        if {"clutch", "scaled", "locked"}.intersection(kinds):
+        if {"new origins", "scaled", "locked"}.intersection(kinds):
             settings = msgspec.structs.replace(settings, revision=settings.revision + 1)
         if "scaled" in kinds:
             settings = msgspec.structs.replace(settings, scale=rng.uniform(0.2, 3), rotation_scale=rng.uniform(0, 2))
@@ -167,8 +169,12 @@ class RandomOperator:
             gripper_toggles=self._toggles,
             lease=self._lease.number,
             clock=ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=t_ns),
-            intent=None if self._bad == "page silent" else Intent(settings=self._settings),
+            intent=self._intent(),
         )
+
+    def _intent(self) -> Intent | None:
+        clutch = ClutchKey.DOWN if self._bad == "clutched" else ClutchKey.UP
+        return None if self._bad == "page silent" else Intent(settings=self._settings, clutch=clutch)
 
     def _corrupted(self, sample: HandArm, kinds: list[str]) -> HandArm:
         rng, replace = self._rng, msgspec.structs.replace

@@ -1,8 +1,8 @@
-"""A page without a browser, its key and settings as commanded: `python -m bench.stand_ins.page_client PORT SOCKET`.
+"""A page without a browser: `python -m bench.stand_ins.page_client PORT SOCKET`.
 
-Its beats are sent late by what it is told (`late_s`). It paints nothing, but acknowledges every picture and reports how
-old the newest are, as a page does. `--sight FILE` keeps there what it has seen of the cell; with `--down` its key is
-down from its first beat.
+Its key, clutch and settings are as commanded, and its beats are sent late by what it is told (`late_s`). It paints
+nothing, but acknowledges every picture and reports how old the newest are, as a page does. `--sight FILE` keeps there
+what it has seen of the cell; with `--down` its key is down from its first beat.
 """
 
 import itertools
@@ -41,16 +41,18 @@ def run(port: int, commands: CommandSocket, seen: SightLog | None, *, down: bool
         views: dict[str, dict[str, float]] = {}
         heard = HeardTime()
         threading.Thread(target=_read, args=(page, views, heard, seen), daemon=True).start()
-        late_s, on_their_way = 0.0, deque[tuple[float, dict[str, object]]]()
-        for beat in itertools.count():
+        late_s, clutch, on_their_way = 0.0, "up", deque[tuple[float, dict[str, object]]]()
+        for count in itertools.count():
             fields, now_s = commands.take(), time.monotonic()
             down, late_s = fields.get("down", down), fields.get("late_s", late_s)
+            clutch = fields.get("clutch", clutch)
             if "steer" in fields:
                 _say(page, type="steer", **fields["steer"])
-            on_their_way.append((now_s + late_s, {"page_ms": now_s * 1e3, "heard_ms": heard.console_ms, "down": down}))
+            beat = {"page_ms": now_s * 1e3, "heard_ms": heard.console_ms, "down": down, "clutch": clutch}
+            on_their_way.append((now_s + late_s, beat))
             while on_their_way and on_their_way[0][0] <= now_s:
                 _say(page, type="beat", **on_their_way.popleft()[1])
-            if beat % BEATS_PER_WORD == 0:
+            if count % BEATS_PER_WORD == 0:
                 _say(page, type="shown", h264=True, views=dict(views))
             time.sleep(BEAT_S)
 

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import msgspec
 
-PROTOCOL_VERSION = 16
+PROTOCOL_VERSION = 17
 SESSION_BITS = 32  # of the random number of a start: five bytes on the wire
 SINGLE = msgspec.Meta(extra={"sent_as": "single precision"})
 IN_SIX_BYTES = msgspec.Meta(extra={"sent_as": "covariance"})

@@ -55,8 +55,8 @@ class OperatorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     """What the operator has set under one lease; every lease begins with these defaults.
 
     `lease` is its number, 0 without one. `revision` rises by one with each change, and when the operator takes new
-    origins (the clutch): settings only ever replace those of a lower revision. The scales multiply what the remote site
-    has configured.
+    origins: settings only ever replace those of a lower revision. The scales multiply what the remote site has
+    configured.
     """
 
     lease: Count = 0
@@ -70,16 +70,26 @@ class OperatorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
         return new if new is not None and new.lease == self.lease and new.revision > self.revision else self
 
 
+class ClutchKey(StrEnum):
+    """The key, button or pedal of the clutch; `unseen` was down, and nobody can say whether it was let go."""
+
+    UP = "up"
+    DOWN = "down"
+    UNSEEN = "unseen"
+
+
 class Intent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What the operator's page or pedal reports: whether the hold-to-run key or pedal is down, and the settings.
 
     `settings` is None from a sender that does not know those in force, or where they are in force already. `assist` is
-    the target that was offered when the key of fine adjustment went down, None while it is not held.
+    the target that was offered when the key of fine adjustment went down, None while it is not held. While `clutch` is
+    not up the arm holds, and the operator moves the hand alone.
     """
 
     hold: bool = False
     settings: OperatorSettings | None = None
     assist: Name | None = None
+    clutch: ClutchKey = ClutchKey.UP
 
 
 class OperatorIntent(Message, frozen=True):

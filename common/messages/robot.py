@@ -106,7 +106,8 @@ class Traced(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class Engagement(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One engagement: its number since the remote site started, and the origins captured at its last reference.
 
-    `shift_mm` and `shift_deg` are how far new origins after a hold moved the target; 0 where it has only these.
+    `shift_mm` and `shift_deg` are how far new origins after a hold moved the target; 0 where it has only these, and
+    after a clutch, which is to move it.
     """
 
     number: Count

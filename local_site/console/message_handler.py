@@ -22,11 +22,11 @@ from local_site.console.model.page_messages import (
     AskLease,
     AskRecord,
     Beat,
-    Clutch,
     FrameLost,
     FrameTaken,
     LeaveSeat,
     MarkJoints,
+    NewOrigins,
     Play,
     Shown,
     Steer,
@@ -111,10 +111,18 @@ class PageMessageHandler:
         """Send the operating page's intent to the local site; once it is silent that is sent once, then nothing."""
         reports = self.seat.reports(now_ns)
         if self._outlets is not None and (reports or self._reported):
-            held, assisted = self.seat.held(now_ns), self.seat.assisted(now_ns)
-            intent = Intent(hold=held, settings=self._own_settings(), assist=assisted) if reports else None
+            intent = self._intent(now_ns) if reports else None
             self._outlets.intent(OperatorIntent(session=self._session, sent_ns=now_ns, intent=intent))
         self._reported = reports
+
+    def _intent(self, now_ns: int) -> Intent:
+        seat = self.seat
+        return Intent(
+            hold=seat.held(now_ns),
+            settings=self._own_settings(),
+            assist=seat.assisted(now_ns),
+            clutch=seat.clutch(now_ns),
+        )
 
     def remember(self, view: str, frame: VideoFrame, now_ns: int, clock: ClockOffset | None, *, usable: bool) -> None:
         """A frame of the cell has gone to the pages under this name of its view, if any could decode it (`usable`).
@@ -129,7 +137,8 @@ class PageMessageHandler:
         match message:
             case Beat():
                 heard_ns = round(message.heard_ms * NS_PER_MS) if message.heard_ms is not None else None
-                self.seat.beat(page.visitor, now_ns, heard_ns, down=message.down, assist=message.assist)
+                down, assist, clutch = message.down, message.assist, message.clutch
+                self.seat.beat(page.visitor, now_ns, heard_ns, down=down, assist=assist, clutch=clutch)
                 page.send(type="echo", page_ms=message.page_ms, server_ms=now_ns / NS_PER_MS)
             case FrameTaken():
                 page.taken(message.view)
@@ -153,7 +162,7 @@ class PageMessageHandler:
                 takes, visitor = isinstance(message, TakeSeat), page.visitor
                 verdict = self.seat.take(visitor, now_ns) if takes else self.seat.leave(visitor)
                 self._answer_seat(page, message.id, verdict, now_ns)
-            case Shown() | Clutch() | Steer():
+            case Shown() | NewOrigins() | Steer():
                 if page.visitor == self.seat.occupant:
                     self._operate(message, now_ns)
             case Play():
@@ -161,16 +170,16 @@ class PageMessageHandler:
             case _:
                 assert_never(message)
 
-    def _operate(self, message: Shown | Clutch | Steer, now_ns: int) -> None:
+    def _operate(self, message: Shown | NewOrigins | Steer, now_ns: int) -> None:
         match message:
-            case Clutch() | Steer():
+            case NewOrigins() | Steer():
                 self._set(message, now_ns)
             case Shown():
                 self._report(message, now_ns)
             case _:
                 assert_never(message)
 
-    def _set(self, message: Clutch | Steer, now_ns: int) -> None:
+    def _set(self, message: NewOrigins | Steer, now_ns: int) -> None:
         """Change the settings under the lease held here; without one, or while they are unknown, there is no effect."""
         settings = self._own_settings()
         if settings is None:
@@ -180,7 +189,7 @@ class PageMessageHandler:
             self.settings = message.apply(settings)
         else:
             self.settings = replace(settings, revision=settings.revision + 1)
-            self._history.note("operator", "new origins taken (clutch)", now_ns)
+            self._history.note("operator", "new origins taken", now_ns)
 
     def _own_settings(self) -> OperatorSettings | None:
         """The settings of the lease that this console's operator holds; None without one, or while they are unknown."""

@@ -13,7 +13,16 @@ from common.clock import NS_PER_MS
 from common.geometry import Array
 from common.link.channels import INTENT
 from common.messages.base import Covariance, Vector3
-from common.messages.hand import ClockSync, HandArm, Intent, OperatorIntent, OperatorSettings, PointCovariances
+from common.messages.clutch_latch import ClutchLatch
+from common.messages.hand import (
+    ClockSync,
+    ClutchKey,
+    HandArm,
+    Intent,
+    OperatorIntent,
+    OperatorSettings,
+    PointCovariances,
+)
 from local_site.tracking.tracker import ArmEstimate
 
 
@@ -55,12 +64,13 @@ class IntentMerge:
     Without any for 200 ms, or as soon as its sender reports it, there is no intent. After such a silence, as at the
     start, holding counts only once the key was seen released: a console that comes back with its key still down moves
     nothing. Of several senders the first counts, until it is silent: what a second one reports is no release of the
-    first one's key, and changes none of its settings.
+    first one's key or clutch, and changes none of its settings. A clutch that was down stays so, unseen.
     """
 
     def __init__(self) -> None:
         self._last: OperatorIntent | None = None
         self._released = False
+        self._clutch = ClutchLatch()
 
     def receive(self, received: OperatorIntent, now_ns: int) -> None:
         """Take an intent; one that is older than the last, from the future, or of a second sender is ignored."""
@@ -73,19 +83,27 @@ class IntentMerge:
             if is_other and not is_silent:
                 return
             if is_other or is_silent:
-                self._released = False
+                self._interrupt()
         if intent is None:
-            self._released = False
+            self._interrupt()
         self._last = received
         self._released = self._released or (intent is not None and not intent.hold)
+        is_late = now_ns - received.sent_ns > INTENT.stale_after_ns
+        if intent is not None and not (is_late and intent.clutch is ClutchKey.UP):
+            self._clutch.see(intent.clutch)
 
     def at(self, now_ns: int) -> Intent | None:
         """The intent of this instant, None while nobody reports one."""
         intent = self._last.intent if self._last is not None else None
         if self._last is None or intent is None or now_ns - self._last.sent_ns > INTENT.stale_after_ns:
-            self._released = False
+            self._interrupt()
             return None
-        return replace(intent, hold=intent.hold and self._released)
+        return replace(intent, hold=intent.hold and self._released, clutch=self._clutch.key)
+
+    def _interrupt(self) -> None:
+        """The reports have ceased, or are another sender's."""
+        self._released = False
+        self._clutch.interrupt()
 
 
 def unless_in_force(intent: Intent | None, in_force: OperatorSettings | None) -> Intent | None:

@@ -9,26 +9,35 @@ APART_NS = 5 * NS_PER_S  # a hold that begins sooner after another lasts longer
 LEAST_NS = NS_PER_S  # then: so the state changes at most twice a second
 BEFORE_NS = NS_PER_S // 2  # a stop of the driver this long before a hold belongs to it
 OF_AGE = (Code.STALE, Code.DUPLICATE, Code.OLD)  # of samples that only came too late
+OF_CLUTCH = (Code.CLUTCHED, Code.CLUTCH_UNSEEN, Code.CLUTCH_SETTLING)
 
 
 class Hold:
-    """The present or last hold of an engagement, since `began_ns`."""
+    """The present or last hold of an engagement, since `began_ns`; `clutched` if the operator held the clutch in it."""
 
     def __init__(self, config: SafetyConfig) -> None:
         self._longest_ns = round(config.longest_hold_ms * NS_PER_MS)
-        self.began_ns = -APART_NS
-        self._repeated = self._of_age = False
+        self.began_ns = self._troubled_ns = -APART_NS
+        self._repeated = self._of_age = self.clutched = False
         self._diverted_ns = -APART_NS
 
-    def begin(self, now_ns: int) -> None:
-        """The arm begins to wait."""
-        self._repeated = now_ns - self.began_ns < APART_NS
+    def begin(self, now_ns: int, cause: Reason) -> None:
+        """The arm begins to wait; what the operator causes with the clutch is no trouble."""
+        self._repeated = now_ns - self._troubled_ns < APART_NS
+        self.clutched = cause.code in OF_CLUTCH
+        if not self.clutched:
+            self._troubled_ns = now_ns
         self._of_age = now_ns - self._diverted_ns > BEFORE_NS
         self.began_ns = now_ns
 
     def note(self, cause: Reason) -> None:
         """Take note of what is wrong: only the age of samples leaves the origins as they are."""
         self._of_age = self._of_age and cause.code in OF_AGE
+        self.clutched = self.clutched or cause.code in OF_CLUTCH
+
+    def prolong(self, now_ns: int) -> None:
+        """The operator holds the clutch: however long that lasts, the longest hold counts from its end."""
+        self.began_ns, self._repeated = now_ns, False
 
     def divert(self, now_ns: int) -> None:
         """Take note that the driver began a stop by itself."""

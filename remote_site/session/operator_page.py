@@ -1,6 +1,7 @@
-"""What the operator's page has set under the lease in force, and whether it still reports; pure."""
+"""What the operator's page has set under the lease in force, its clutch, and whether it still reports; pure."""
 
 from common.messages.hand import Intent, OperatorSettings
+from remote_site.session.clutch import Clutch
 
 
 class OperatorPage:
@@ -12,6 +13,7 @@ class OperatorPage:
 
     def __init__(self) -> None:
         self.settings = OperatorSettings()
+        self.clutch = Clutch()
         self._has_reported = self._reports = False
 
     @property
@@ -23,6 +25,7 @@ class OperatorPage:
         """Take note of the number of the lease in force; a new one begins with the defaults, and without a page."""
         if lease != self.settings.lease:
             self.settings = OperatorSettings(lease=lease)
+            self.clutch = Clutch()
             self._has_reported = self._reports = False
 
     def see(self, intent: Intent | None) -> None:

@@ -64,12 +64,16 @@ class Robot(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """The outcome of a tick: state, what to do, and why; `held_since_ns` is when the hold that now ends began."""
+    """The outcome of a tick: state, what to do, and why; `held_since_ns` is when the hold that now ends began.
+
+    `clutched` is whether the operator held the clutch in it, and so moved the hand alone on purpose.
+    """
 
     state: SessionState
     action: Action
     reason: Reason
     held_since_ns: int = 0
+    clutched: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,6 +144,7 @@ class Session:
             self._leave(reason(Code.NEW_SESSION, holder=self._holder or "another site"))
         if result.sample is not None:
             self._see_intent(result.sample.intent)
+        self.page.clutch.take(result, self._hand.soft_ns)
         self._hand.take(result)
         if isinstance(result, Rejected):
             self._hold.note(result.reason)
@@ -253,13 +258,15 @@ class Session:
         """Hold: stop, and resume when the hand is good again."""
         if self.state is not SessionState.HOLDING:
             self.state = SessionState.HOLDING
-            self._hold.begin(now_ns)
+            self._hold.begin(now_ns, why)
             self._hand.recount()
         self._hold.note(why)
+        if why.code is Code.CLUTCHED:
+            self._hold.prolong(now_ns)
         return self._decide(Action.STOP, why)
 
     def _engaged(self, now_ns: int, robot: Robot) -> Decision:
-        unfit = self._hand.unfit(now_ns) or self._page_silence()
+        unfit = self._hand.unfit(now_ns) or self._page_silence() or self.page.clutch.reason()
         if unfit is not None:
             return self._stop(now_ns, unfit)
         if self.state is SessionState.ENGAGED:
@@ -271,7 +278,8 @@ class Session:
             return self._decide(Action.STOP, reason(Code.MOVING))
         self.state = SessionState.ENGAGED
         action = Action.RESUME if self._hold.short(now_ns) else Action.CAPTURE
-        return replace(self._decide(action, reason(Code.OK)), held_since_ns=self._hold.began_ns)
+        follows = self._decide(action, reason(Code.OK))
+        return replace(follows, held_since_ns=self._hold.began_ns, clutched=self._hold.clutched)
 
     def _missing(self, now_ns: int, robot: Robot) -> Reason | None:
         """What an engagement still lacks, of readiness or of the operator's intent."""
@@ -289,7 +297,7 @@ class Session:
         if not robot.resting:
             return reason(Code.MOVING)
         unfit = self._hand.too_slow() or self._hand.unfit(now_ns) or self._page_silence()
-        return unfit or self._hand.collecting(self._hand.frames)
+        return unfit or self.page.clutch.reason() or self._hand.collecting(self._hand.frames)
 
     def _slow(self) -> Reason | None:
         """Why control is too slow to lead an arm, None while it keeps up."""

@@ -60,7 +60,7 @@ class GripperToggles:
     def follow(self, sample: HandArm, revision: int, gripper: GripperState | None) -> None:
         """Apply what has been counted since the baseline to a gripper in this state.
 
-        `revision` is that of the operator's settings: a clutch, like any change of them, is a new baseline.
+        `revision` is that of the operator's settings: new origins, like any change of them, are a new baseline.
         """
         count = sample.gripper_toggles
         if revision != self._revision or not self._seen_closed:

@@ -122,7 +122,7 @@ class TeleopPipeline:
         held_since_ns = decision.held_since_ns
         resumes = decision.action is Action.RESUME and self._target.resume(latest, settings, sent.q, held_since_ns)
         if not resumes:
-            self._target.capture(latest, settings, sent.q, self._session.engagements)
+            self._target.capture(latest, settings, sent.q, self._session.engagements, clutched=decision.clutched)
         self._planner.reset(latest.born_ns, sent.q)
         self._gripper.rebase(latest.sample, settings.revision)
 

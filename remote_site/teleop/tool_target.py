@@ -55,13 +55,16 @@ class ToolTarget:
         """The tool's pose (4 x 4) at the joints (n,) rad."""
         return self._model.forward(q)
 
-    def capture(self, sample: Accepted, settings: OperatorSettings, q: Array, engagements: int) -> None:
+    def capture(
+        self, sample: Accepted, settings: OperatorSettings, q: Array, engagements: int, *, clutched: bool = False
+    ) -> None:
         """Take both origins, the hand's from the sample and the tool's at `q` (n,) rad: earlier motion is discarded.
 
-        After a hold of the same engagement, the `engagement` states how far this moves the target.
+        After a hold of the same engagement, the `engagement` states how far this moves the target, unless the operator
+        `clutched` to have it moved.
         """
         base_T_tool = self._model.forward(q)
-        shift_mm, shift_deg = self._shift(sample, base_T_tool, engagements)
+        shift_mm, shift_deg = (0.0, 0.0) if clutched else self._shift(sample, base_T_tool, engagements)
         self.base_T_tool = base_T_tool
         self._mapping.steer(settings, sample.position, sample.operator_R_hand, base_T_tool)
         self._mapping.engage(sample.position, sample.operator_R_hand, base_T_tool)

@@ -22,13 +22,15 @@ SLEEPS = partial(
     ASLEEP,
     readiness=Readiness(False, "robot_not_ready", ASLEEP, False),
 )
+CLUTCHED = partial(scene.state, SessionState.HOLDING, "clutched", "the clutch is held: the arm stays")
 SHOWN = {
     "fault": (STATES["fault"], "r"),
     "stopped": (STATES["stopped"], "r"),
     "robot stopped by itself": (SLEEPS, "r"),
     "ready": (STATES["ready"], "e"),
-    "engaged": (STATES["engaged"], "dc"),
-    "holding": (STATES["holding"], "dc"),
+    "engaged": (STATES["engaged"], "dn"),
+    "holding": (STATES["holding"], "dn"),
+    "clutched": (CLUTCHED, "dn"),
     "another operates": (STATES["another operates"], ""),
 }
 SIZES = ((1920, 1080), (390, 844), (320, 120), (60, 60))
@@ -37,9 +39,11 @@ SENT = """() => {
   const send = WebSocket.prototype.send;
   WebSocket.prototype.send = function (text) { window.sent.push(JSON.parse(text)); send.call(this, text); };
 }"""
-AS_KEYS = """() => window.sent.splice(0).filter(({ type }) => type === "ask" || type === "clutch")
-  .map(({ type, action }) => (type === "clutch" ? "c" : action[0]))"""
-DOWN = "() => window.sent.splice(0).some(({ type, down, assist }) => type === 'beat' && (down || assist !== null))"
+AS_KEYS = """() => window.sent.splice(0).filter(({ type }) => type === "ask" || type === "new_origins")
+  .map(({ type, action }) => (type === "new_origins" ? "n" : action[0]))"""
+CLUTCHES = "() => window.sent.splice(0).filter(({ type }) => type === 'beat').map(({ clutch }) => clutch)"
+DOWN = """() => window.sent.splice(0)
+  .some(({ type, down, assist, clutch }) => type === "beat" && (down || assist !== null || clutch !== "up"))"""
 PRESSED = "(id) => document.getElementById(id).getAttribute('aria-pressed')"
 
 
@@ -61,7 +65,7 @@ def overheard(told_here: Told) -> Told:
 def shows(told: Told, name: str) -> None:
     """Tell this state until the page shows it, with the buttons that belong to it."""
     told.state, keys = SHOWN[name]
-    ids = {"r": "reset", "e": "engage", "d": "disengage", "c": "clutch"}
+    ids = {"r": "reset", "e": "engage", "d": "disengage", "n": "origins"}
     shown = "(ids) => ids.filter((id) => document.getElementById(id).checkVisibility())"
     buttons = {ids[key] for key in keys}
     told.until("its buttons", lambda: set(told.page.page.evaluate(shown, list(ids.values()))) == buttons)
@@ -78,7 +82,7 @@ def pressed(told: Told, keys: str) -> str:
 @pytest.mark.parametrize("name", SHOWN)
 def test_a_key_acts_only_while_its_button_is_shown(overheard: Told, name: str) -> None:
     shows(overheard, name)
-    assert sorted(pressed(overheard, "edrcEDRC")) == sorted(2 * SHOWN[name][1])
+    assert sorted(pressed(overheard, "edrnEDRN")) == sorted(2 * SHOWN[name][1])
 
 
 def test_in_a_fault_e_engages_nothing_however_often_it_is_pressed(overheard: Told) -> None:
@@ -129,13 +133,13 @@ def test_a_page_that_only_watches_asks_for_nothing(overheard: Told) -> None:
     shows(overheard, "ready")
     overheard.page.page.click("#seat-button")
     overheard.until("the seat left", lambda: overheard.page.page.is_disabled("#engage"))
-    assert pressed(overheard, "edrc") == ""
+    assert pressed(overheard, "edrnc") == ""
     overheard.page.page.click("#seat-button")
     overheard.until("the seat", lambda: overheard.page.page.is_enabled("#engage"))
 
 
 @pytest.mark.parametrize(
-    ("name", "key"), [("fault", "Space"), ("stopped", "Space"), ("ready", "Space"), ("fault", "a")]
+    ("name", "key"), [("fault", "Space"), ("stopped", "Space"), ("ready", "Space"), ("fault", "a"), ("ready", "c")]
 )
 def test_what_is_held_counts_only_where_its_button_was_shown_when_it_went_down(
     overheard: Told, name: str, key: str
@@ -256,3 +260,73 @@ def test_escape_stops_without_a_state_of_the_remote_site(browser: object, robot:
         told.page.wait_for("the word", lambda: told.page.state() in ("no robot", "silent"))
         told.page.page.keyboard.press("Escape")
         told.page.wait_for("the stop", lambda: told.sites.asked == [STOP])
+
+
+def clutched(told: Told, key: str) -> None:
+    """Show the state until every beat reports the clutch so."""
+    told.page.page.evaluate(CLUTCHES)
+    told.until(f"the clutch {key}", lambda: set(told.page.page.evaluate(CLUTCHES)) == {key})
+
+
+@pytest.mark.parametrize("by", ["key", "button"])
+def test_the_clutch_is_down_while_it_is_held_and_what_is_next_is_said(overheard: Told, by: str) -> None:
+    shows(overheard, "engaged")
+    page = overheard.page.page
+    if by == "key":
+        page.keyboard.down("c")
+    else:
+        page.hover("#clutch")
+        page.mouse.down()
+    clutched(overheard, "down")
+    overheard.state = CLUTCHED
+    overheard.until("the word", lambda: overheard.page.state() == "clutched")
+    assert "let go of C to go on" in overheard.page.words("#step-words")
+    assert page.get_attribute("#clutch", "data-rank") == "next"
+    clutched(overheard, "down")
+    if by == "key":
+        page.keyboard.up("c")
+    else:
+        page.mouse.up()
+    clutched(overheard, "up")
+
+
+@pytest.mark.parametrize(
+    "unseen",
+    ["dispatchEvent(new Event('blur'))", "document.dispatchEvent(new Event('visibilitychange'))"],
+    ids=["blur", "hidden"],
+)
+def test_a_clutch_that_the_page_did_not_see_let_go_stays_until_it_is_pressed_again_and_let_go(
+    overheard: Told, unseen: str
+) -> None:
+    shows(overheard, "clutched")
+    page = overheard.page.page
+    page.keyboard.down("c")
+    clutched(overheard, "down")
+    page.evaluate(f"() => {{ {unseen}; }}")
+    clutched(overheard, "unseen")
+    page.keyboard.up("c")
+    clutched(overheard, "unseen")
+    page.keyboard.down("c")
+    clutched(overheard, "down")
+    page.keyboard.up("c")
+    clutched(overheard, "up")
+
+
+def test_a_clutch_whose_release_nobody_saw_can_be_pressed_again_while_disengaged(overheard: Told) -> None:
+    why = "nobody saw the clutch let go"
+    readiness = Readiness(False, "clutch_unseen", why, False)
+    overheard.state = partial(scene.state, SessionState.DISENGAGED, "latched", why, readiness=readiness)
+    overheard.until("the next step", lambda: "press C and let go" in overheard.page.words("#step-words"))
+    overheard.page.page.keyboard.down("c")
+    clutched(overheard, "down")
+    overheard.page.page.keyboard.up("c")
+    clutched(overheard, "up")
+
+
+def test_a_stop_leaves_the_clutch_as_it_is_held(overheard: Told) -> None:
+    shows(overheard, "clutched")
+    overheard.page.page.keyboard.down("c")
+    assert stops(overheard)
+    clutched(overheard, "down")
+    overheard.page.page.keyboard.up("c")
+    clutched(overheard, "up")

@@ -107,7 +107,7 @@ def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_th
     page.wait_for("the controls", lambda: "you operate" in page.words("#seat"))
 
 
-def test_scales_locks_and_the_clutch_reach_the_arm_and_outlast_a_reload(stand, page) -> None:
+def test_scales_locks_and_new_origins_reach_the_arm_and_outlast_a_reload(stand, page) -> None:
     page.wait_until_ready()
     in_force = lambda: stand.sites.state.settings  # noqa: E731  # short, and used as such
     page.page.fill("#scale", "0.5")
@@ -115,9 +115,9 @@ def test_scales_locks_and_the_clutch_reach_the_arm_and_outlast_a_reload(stand, p
     page.page.click("[data-lock=roll]")
     page.wait_for("the lock", lambda: in_force().locks.roll)
     before = in_force()
-    page.hold(until=lambda: page.page.is_visible("#clutch"))
-    page.page.keyboard.press("c")
-    page.wait_for("the clutch", lambda: in_force() == msgspec.structs.replace(before, revision=before.revision + 1))
+    page.hold(until=lambda: page.page.is_visible("#origins"))
+    page.page.keyboard.press("n")
+    page.wait_for("new origins", lambda: in_force() == msgspec.structs.replace(before, revision=before.revision + 1))
     page.page.keyboard.up("Space")
 
     page.page.reload()

@@ -34,7 +34,7 @@ def test_a_page_adopts_the_settings_in_force_before_any_are_sent(browser: object
         told = Told(console, page)
         page.wait_for("the seat", lambda: "you operate" in page.words("#seat"))
         page.wait_for("intents", lambda: len(console.intents) > 5)
-        for control in ("#scale", "#rotation", "[data-lock=z]", "#clutch"):
+        for control in ("#scale", "#rotation", "[data-lock=z]", "#origins"):
             assert page.page.is_disabled(control), control
         assert {told.intent.settings for told in console.intents if told.intent is not None} == {None}
 

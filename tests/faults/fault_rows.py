@@ -7,6 +7,7 @@ from signal import SIGCONT, SIGSTOP
 from remote_site.session.config import ACCEPTANCE
 from tests.faults.acts import control_gets, hand, impair, kill_local, robot
 from tests.faults.cell_pair import CellPair
+from tests.faults.clutch_plays import restless_release, silent_clutch
 from tests.faults.engagement_plays import kill_video, late_hand, reset_under_key, stop_behind_reset, trickle
 from tests.faults.far_plays import cut_shortly, far, jump_of_delay, over, too_far
 from tests.faults.foreign_plays import record_strangely, slew_the_operator
@@ -136,6 +137,8 @@ ROWS = (
     Row("a sample every 170 ms", "STOP, LATCH after the longest hold", trickle),
     Row("hand first seen after a minute, automatic", "nothing engages", late_hand, settings=AUTOMATIC, engaged=False),
     Row("the console restarts while z is locked", "HOLD until a page reports again; z stays locked", kill_console),
+    Row("the page falls silent while the clutch is held", "HOLD, then LATCH; nothing engages until it was pressed again and let go", silent_clutch),
+    Row("the clutch is let go while the hand moves", "HOLD, then LATCH", restless_release),
     Row("200 ms jitter", "bounded slow-down, no late sample used", bear(60.0, 0.0, delay_ms=100, jitter_ms=100)),
     Row("video fills 20 Mbit/s, 20 ms each way", "pose p99 at most 1.3 times that without video", crowd(20.0, 20.0, 20.0), settings=WATCHED),
     Row("5 % loss, 20 ms each way, by TCP", "never latches", bear(60.0, 0.9, loss=0.05, delay_ms=20)),

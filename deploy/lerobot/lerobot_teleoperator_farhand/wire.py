@@ -1,11 +1,11 @@
-"""What this package needs of Farhand's wire protocol, version 16: three messages, as docs/wire-protocol.md has them."""
+"""What this package needs of Farhand's wire protocol, version 17: three messages, as docs/wire-protocol.md has them."""
 
 import struct
 from typing import Any, NamedTuple
 
 import msgpack
 
-VERSION = 16
+VERSION = 17
 MOST_BYTES, MOST_ITEMS = 16384, 64
 STATE_FIELDS = 31  # of RobotState, in their order; the first ones are named below
 SESSION, SEQ, T_NS, STATE, CODE, REASON = range(6)

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from common.errors import MessageError
 from common.messages.base import Count, Name
-from common.messages.hand import OperatorSettings
+from common.messages.hand import ClutchKey, OperatorSettings
 from common.messages.recording import EpisodeOutcome
 from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, RecordAction
 from common.messages.robot import Asker
@@ -26,12 +26,14 @@ class Beat(PageMessage, frozen=True, tag="beat"):
 
     `heard_ms` is the console's time in the newest echo that the page has heard, None before the first: the beat is
     not older. `assist` is the target that was offered when the key of fine adjustment went down, None while it is up.
+    `clutch` is `unseen` once the page could not see any more whether its key or button was let go.
     """
 
     page_ms: Milliseconds
     heard_ms: Milliseconds | None
     down: bool
     assist: Name | None = None
+    clutch: ClutchKey = ClutchKey.UP
 
 
 class FrameTaken(PageMessage, frozen=True, tag="taken"):
@@ -124,8 +126,8 @@ class LeaveSeat(PageMessage, frozen=True, tag="leave_seat"):
     id: Count
 
 
-class Clutch(PageMessage, frozen=True, tag="clutch"):
-    """The operator takes new origins."""
+class NewOrigins(PageMessage, frozen=True, tag="new_origins"):
+    """The operator takes new origins in an instant, without a hold."""
 
 
 class Play(PageMessage, frozen=True, tag="play"):
@@ -163,7 +165,7 @@ AnyPageMessage = (
     | Play
     | TakeSeat
     | LeaveSeat
-    | Clutch
+    | NewOrigins
     | Steer
 )
 DECODER: msgspec.json.Decoder[AnyPageMessage] = msgspec.json.Decoder(AnyPageMessage)

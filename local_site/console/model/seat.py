@@ -1,8 +1,10 @@
-"""The one operating page among those that watch, and whether its key is held."""
+"""The one operating page among those that watch, and whether its key and its clutch are held."""
 
 from dataclasses import dataclass
 
 from common.clock import NS_PER_MS, NS_PER_S
+from common.messages.clutch_latch import ClutchLatch
+from common.messages.hand import ClutchKey
 
 BEAT_TIMEOUT_NS = 200 * NS_PER_MS
 MOST_AGE_NS = 400 * NS_PER_MS  # of the newest word of the console's that a page had heard when it sent a beat
@@ -36,7 +38,8 @@ class Seat:
     Holding counts while the operating page beats at least every 200 ms, and for 400 ms at most after the time of the
     console that it had heard by then: the way of a beat is part of that, so a key that was released is not held longer,
     however late all beats come. After any silence, a stop or a change of the page it counts only once the key was seen
-    released. Where `open_` is false no page ever operates.
+    released. A clutch that was held then stays so, unseen, whichever page operates next. Where `open_` is false no page
+    ever operates.
     """
 
     def __init__(self, *, open_: bool) -> None:
@@ -45,6 +48,7 @@ class Seat:
         self._heard_ns: int | None = None
         self._down = self._released = False
         self._assist: str | None = None
+        self._clutch = ClutchLatch()
         self._given_up = False
         self.occupant: Visitor | None = None
 
@@ -76,9 +80,16 @@ class Seat:
             self._sit(None, None)
 
     def beat(
-        self, visitor: Visitor, now_ns: int, heard_ns: int | None, *, down: bool, assist: str | None = None
+        self,
+        visitor: Visitor,
+        now_ns: int,
+        heard_ns: int | None,
+        *,
+        down: bool,
+        assist: str | None = None,
+        clutch: ClutchKey = ClutchKey.UP,
     ) -> None:
-        """A page's heartbeat, with whether its key is down, and the target for which it asks for the assist.
+        """A page's heartbeat, with whether key and clutch are down, and the target for which it asks for the assist.
 
         `heard_ns` is the console's time that the page had heard when it sent this; None before it has heard any, when
         the beat is not older than the page's stay.
@@ -90,6 +101,8 @@ class Seat:
         if heard_ns is not None:
             self._heard_ns = min(heard_ns, now_ns)
         self._released = self._released or not down
+        if clutch is not ClutchKey.UP or not self._is_late(now_ns):
+            self._clutch.see(clutch)
         self._lapse(now_ns)
 
     def interrupt(self) -> None:
@@ -114,14 +127,21 @@ class Seat:
         self._lapse(now_ns)
         return self._assist
 
+    def clutch(self, now_ns: int) -> ClutchKey:
+        """The clutch of the operating page at this instant."""
+        self._lapse(now_ns)
+        return self._clutch.key
+
     def _sit(self, visitor: Visitor | None, now_ns: int | None) -> None:
         self.occupant, self._beat_ns, self._heard_ns, self._assist = visitor, now_ns, now_ns, None
         self._down = self._released = self._given_up = False
+        self._clutch.interrupt()
 
     def _lapse(self, now_ns: int) -> None:
         if self._is_silent(now_ns) or self._is_late(now_ns):
             self._released = self._down = False
             self._assist = None
+            self._clutch.interrupt()
 
     def _abandoned(self, now_ns: int) -> bool:
         return self._silent_ns(now_ns) > ABANDONED_NS

@@ -8,7 +8,7 @@ from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.geometry import Array, transform
 from common.mapping.relative_mapping import RelativeMapping
 from common.mapping.shown_hand import shown_orientation, shown_position
-from common.messages.hand import HandArm, OperatorSettings, TrackingStatus
+from common.messages.hand import ClutchKey, HandArm, OperatorSettings, TrackingStatus
 from common.messages.requests import Description
 from common.messages.robot import MappingReference, RobotState
 
@@ -88,10 +88,13 @@ class _Replay:
         self.wanted: Array | None = None
 
     def is_followed(self, sample: HandArm) -> bool:
-        """Whether the arm can follow this sample: it shows the hand, and the key is down where one is needed."""
+        """Whether the arm can follow this sample: it shows the hand, clutch up, and key down where one is needed."""
         if sample.status in UNSEEN or shown_position(sample, self._point) is None:
             return False
-        return not self._held or (sample.intent is not None and sample.intent.hold)
+        intent = sample.intent
+        if intent is None:
+            return not self._held
+        return intent.clutch is ClutchKey.UP and (intent.hold or not self._held)
 
     def target(
         self, samples: list[HandArm], reference: MappingReference, settings: OperatorSettings, base_T_target: Array

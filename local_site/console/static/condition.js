@@ -54,6 +54,7 @@ function another(robot) {
 }
 
 function session(robot) {
+  if (robot.state === "holding" && robot.code.startsWith("clutch")) return { name: "clutched", tone: "holding", word: "clutched" };
   if (robot.state === "holding") return { name: "holding", tone: "holding", word: "holding" };
   if (robot.state === "disengaged") return { name: "disengaged", tone: "idle", word: "disengaged" };
   if (robot.assist?.phase === "leading") return { name: "led", tone: "holding", word: "assist leads" };

@@ -1,9 +1,9 @@
-// The operator's controls: who operates, engaging, scales, clutch and locks, and the facts beside them.
+// The operator's controls: who operates, engaging, scales, origins and locks, and the facts beside them.
 import { pressByKey } from "./keys.js";
 import { ShownHalts } from "./shown_halts.js";
 import { mark, put } from "./words.js";
 
-const KEYS = { e: "engage", d: "disengage", r: "reset", c: "clutch" };
+const KEYS = { e: "engage", d: "disengage", r: "reset", n: "origins" };
 const MOVED_MS = 500; // after its last change
 const READ_AGAIN_MS = 8000; // a refusal is read by then, and what it said may no longer be so
 const element = (id) => document.getElementById(id);
@@ -93,9 +93,9 @@ export class Controls {
   }
 
   #enable() {
-    for (const button of [...Object.values(this.#buttons), element("hold"), element("joints"), element("lease-button")]) button.disabled = !this.#operates;
+    for (const button of [...Object.values(this.#buttons), element("hold"), element("clutch"), element("joints"), element("lease-button")]) button.disabled = !this.#operates;
     const sets = this.#operates && this.#known;
-    for (const control of [...this.#locks, element("scale"), element("rotation"), element("suggestion"), this.#buttons.clutch]) control.disabled = !sets;
+    for (const control of [...this.#locks, element("scale"), element("rotation"), element("suggestion"), this.#buttons.origins]) control.disabled = !sets;
   }
 
   #showSeat(seat) {
@@ -147,7 +147,7 @@ export class Controls {
 
   /** A reset names what its operator can have read, so that it clears no stop that came a moment ago. */
   #act(name) {
-    if (name === "clutch") this.#connection.send({ type: "clutch" });
+    if (name === "origins") this.#connection.send({ type: "new_origins" });
     else this.#connection.ask({ type: "ask", action: name, seen: name === "reset" ? this.#halts.readBy(performance.now()) : this.#halts.newest });
   }
 

@@ -1,8 +1,10 @@
-// A key that is held, or a pedal that types it, or its button: hold to run, and the assist; a hidden page releases it.
+// A key that is held, or a pedal that types it, or its button: hold to run, assist and clutch; a hidden page releases it unseen.
 import { canPress } from "./keys.js";
 
 export class HoldKey {
   down = false;
+  /** Whether it is up because the page could not see it any more: nobody knows whether it was let go. */
+  isUnseen = false;
   #button;
   #code;
   #changed;
@@ -18,15 +20,15 @@ export class HoldKey {
       this.#button.setPointerCapture(event.pointerId);
       this.#set(true);
     });
-    for (const end of ["pointerup", "pointercancel", "lostpointercapture", "contextmenu"]) {
-      this.#button.addEventListener(end, () => this.release());
-    }
+    this.#button.addEventListener("pointerup", () => this.#set(false));
+    for (const end of ["pointercancel", "lostpointercapture", "contextmenu"]) this.#button.addEventListener(end, () => this.release());
     for (const end of ["blur", "pagehide", "freeze"]) addEventListener(end, () => this.release());
     document.addEventListener("visibilitychange", () => this.release());
   }
 
+  /** Count it as up without having seen it. */
   release() {
-    this.#set(false);
+    this.#set(false, true);
   }
 
   #key(event, down) {
@@ -37,9 +39,10 @@ export class HoldKey {
     if (!event.repeat && (!down || canPress(this.#button))) this.#set(down);
   }
 
-  #set(down) {
+  #set(down, isUnseen = false) {
     if (this.down === down) return;
     this.down = down;
+    this.isUnseen = isUnseen;
     this.#button.setAttribute("aria-pressed", down);
     this.#changed();
   }

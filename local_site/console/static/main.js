@@ -38,6 +38,7 @@ const latency = new LatencyRoom();
 const link = new LinkLine();
 const hold = new HoldKey(document.getElementById("hold"), "Space", beat);
 const assist = new AssistKey(beat);
+const clutch = new HoldKey(document.getElementById("clutch"), "KeyC", beat);
 const alert = new Alert();
 const stop = new StopButton(connection, alert, () => {
   hold.release();
@@ -56,7 +57,8 @@ let figuresMs = -Infinity;
 let heardMs = null; // the console's time in its newest echo: how old what the page sends is at most
 
 function beat() {
-  connection.send({ type: "beat", page_ms: performance.now(), heard_ms: heardMs, down: hold.down, assist: assist.asked });
+  const clutched = clutch.down ? "down" : clutch.isUnseen ? "unseen" : "up";
+  connection.send({ type: "beat", page_ms: performance.now(), heard_ms: heardMs, down: hold.down, assist: assist.asked, clutch: clutched });
 }
 
 const handlers = {

@@ -1,5 +1,15 @@
 // The one thing to do next, and what else is possible: for each button next, minor or absent; pure.
 // A button that has to wait keeps its place: one that comes and goes would be missed, or another be hit.
+const CLUTCH = {
+  clutched: "Bring your hand to where it has room, then let go of C to go on.",
+  clutch_unseen: "Nobody saw the clutch let go: press C and let go, to go on.",
+  clutch_settling: "Keep your hand still: the arm follows in a moment.",
+};
+const BEFORE_CLUTCH = {
+  clutched: "Let go of C first.",
+  clutch_unseen: "Nobody saw the clutch let go: press C and let go first.",
+  clutch_settling: "Keep your hand still.",
+};
 const nothing = (words) => ({ next: null, minor: [], words });
 
 /**
@@ -30,7 +40,8 @@ function operating(condition, { robot, hand, seat }, { held, act, down }) {
   if (seat.late) return { next: held ? "hold" : null, minor: ["disengage"], words: "This page's reports come late: close other programs here, then let go and begin again." };
   const handOver = act === null ? [] : ["lease-button"];
   if (robot.state === "disengaged") return disengaged(robot, held, handOver, down);
-  const running = { minor: ["disengage", "clutch", ...handOver] };
+  const running = { minor: ["disengage", "clutch", "origins", ...handOver] };
+  if (condition.name === "clutched") return { ...running, next: held ? "hold" : "clutch", words: CLUTCH[robot.code] };
   if (robot.state === "holding") return { ...running, next: held ? "hold" : null, words: "The arm waits. Show your hand calmly; it goes on by itself." };
   return { ...running, next: held ? "hold" : null, words: followingWords(condition, held) };
 }
@@ -51,6 +62,7 @@ function limitWords(word) {
 
 function disengaged({ readiness, code }, held, minor, down) {
   if (readiness.code === "robot_not_ready") return { next: "reset", minor, words: "The robot takes no commands: reset it." };
+  if (readiness.code in CLUTCH) return { next: "clutch", minor, words: BEFORE_CLUTCH[readiness.code] };
   if (!readiness.ready) return { next: held ? "hold" : "engage", waits: true, minor, words: `Not ready: ${readiness.reason}` };
   if (!held) return { next: "engage", minor, words: "Engage to let the arm follow your hand." };
   const first = down || code === "let_go_first" ? "Let go first. " : "";

@@ -2,7 +2,7 @@
 import { stepOf } from "./next_step.js";
 import { mark, put } from "./words.js";
 
-const NAMES = ["seat-button", "lease-button", "hold", "engage", "disengage", "reset", "clutch"];
+const NAMES = ["seat-button", "lease-button", "hold", "engage", "disengage", "reset", "clutch", "origins"];
 
 export class Steps {
   #words = document.getElementById("step-words");

@@ -12,6 +12,7 @@ from common.messages.codec import encode
 from common.messages.covariance_bytes import pack_covariance, unpack_covariance
 from common.messages.hand import (
     ClockSync,
+    ClutchKey,
     HandArm,
     HandPoint,
     Intent,
@@ -94,7 +95,7 @@ RECORDING = RecordingState(
 SETTINGS = OperatorSettings(
     lease=1311768467463790321, revision=2, scale=0.5, rotation_scale=0.25, locks=Locks(z=True, roll=True)
 )
-INTENT = Intent(hold=True, settings=SETTINGS, assist="block")
+INTENT = Intent(hold=True, settings=SETTINGS, assist="block", clutch=ClutchKey.UNSEEN)
 CLOCKS = ClockSync(
     remote_minus_local_ns=-3_600_000_000_123,
     uncertainty_ns=81_000,
@@ -324,6 +325,8 @@ def broken() -> dict[str, bytes]:
         "invalid.scale_of_nothing": _packed({"intent.settings.scale": 0.0}),
         "invalid.scale_too_large": _packed({"intent.settings.scale": 50.0}),
         "invalid.hold_as_number": _packed({"intent.hold": 1}),
+        "invalid.unknown_clutch": _packed({"intent.clutch": len(ClutchKey)}),
+        "invalid.clutch_as_flag": _packed({"intent.clutch": True}),
         "invalid.negative_revision": _packed({"intent.settings.revision": -1}),
         "invalid.locks_as_flags": _packed({"intent.settings.locks": 5}),
         "invalid.negative_lease": _packed({"lease": -1}),

@@ -9,7 +9,7 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import MessageError
-from common.messages.hand import OperatorSettings
+from common.messages.hand import ClutchKey, OperatorSettings
 from common.messages.requests import EngagementAction, OperatorAction, Reply
 from common.messages.robot import Asker
 from local_site.console.message_handler import Outlets, PageMessageHandler
@@ -105,7 +105,7 @@ def test_a_watching_page_may_stop_and_nothing_else(room: Room) -> None:
     async def talk() -> None:
         room.say(room.second, type="ask", id=1, action="engage")
         room.say(room.second, type="ask_lease", id=2, action="give")
-        room.say(room.second, type="clutch")
+        room.say(room.second, type="new_origins")
         room.say(room.second, type="steer", scale=2.0)
         assert [answer["code"] for answer in room.second.answers] == ["watching"] * 2
         assert "page 1 (127.0.0.1) operates" in room.second.answers[0]["reason"]
@@ -236,7 +236,7 @@ def test_the_operating_page_steers_by_what_it_names(room: Room) -> None:
     room.say(room.first, type="steer", scale=0.5)
     room.say(room.first, type="steer", locks={"roll": True})
     room.say(room.first, type="steer", rotation_scale=0.25, locks={"z": True})
-    room.say(room.first, type="clutch")
+    room.say(room.first, type="new_origins")
     room.handler.send_intent(NS_PER_S)
     intent = room.intent.messages[-1].intent
     settings = intent.settings
@@ -282,3 +282,18 @@ def test_a_beat_counts_from_the_consoles_time_that_its_page_had_heard(room: Room
 def test_what_no_page_says_is_refused(said: str) -> None:
     with pytest.raises(MessageError):
         parse(said)
+
+
+def test_the_clutch_goes_with_every_intent_as_the_operating_page_reports_it(room: Room) -> None:
+    def told(page: Told, clutch: str) -> ClutchKey:
+        room.say(page, type="beat", page_ms=5.0, heard_ms=950, down=False, clutch=clutch)
+        room.handler.send_intent(NS_PER_S)
+        key: ClutchKey = room.intent.messages[-1].intent.clutch
+        return key
+
+    assert told(room.first, "down") is ClutchKey.DOWN
+    assert told(room.second, "up") is ClutchKey.DOWN
+    assert told(room.first, "unseen") is ClutchKey.UNSEEN
+    assert told(room.first, "up") is ClutchKey.UNSEEN
+    assert told(room.first, "down") is ClutchKey.DOWN
+    assert told(room.first, "up") is ClutchKey.UP

@@ -31,7 +31,7 @@ def sent(room: Room, now_ns: int = NS_PER_S) -> Intent | None:
 
 def test_before_the_first_state_no_settings_are_sent_and_none_can_be_changed(room: Room) -> None:
     room.say(room.first, type="steer", scale=2.0)
-    room.say(room.first, type="clutch")
+    room.say(room.first, type="new_origins")
     assert sent(room) == Intent(settings=None)
     room.handler.adopt(LOCKED, NS_PER_S)
     assert sent(room) == Intent(settings=LOCKED)
@@ -41,7 +41,7 @@ def test_a_change_counts_from_the_settings_in_force(room: Room) -> None:
     room.handler.adopt(LOCKED, NS_PER_S)
     room.say(room.first, type="steer", locks={"x": True})
     assert room.handler.settings == OperatorSettings(lease=LEASE, revision=4, scale=0.5, locks=Locks(x=True, z=True))
-    room.say(room.first, type="clutch")
+    room.say(room.first, type="new_origins")
     assert room.handler.settings is not None
     assert room.handler.settings.revision == 5
 

@@ -3,11 +3,12 @@
 import pytest
 
 from common.clock import NS_PER_MS
-from common.messages.hand import Intent, Locks, OperatorIntent, OperatorSettings
+from common.messages.hand import ClutchKey, Intent, Locks, OperatorIntent, OperatorSettings
 from local_site.samples.hand_sample import IntentMerge, unless_in_force
 
 MS = NS_PER_MS
 START = 1000 * MS
+UP, DOWN, UNSEEN = ClutchKey
 
 
 def told(at_ms, hold, sender=7, **changes):
@@ -113,3 +114,49 @@ def test_settings_are_sent_until_they_are_in_force():
         assert unless_in_force(intent, OperatorSettings(lease=5, revision=revision)) == Intent(hold=True)
     assert unless_in_force(None, OperatorSettings()) is None
     assert unless_in_force(Intent(hold=True), OperatorSettings()) == Intent(hold=True)
+
+
+def clutch(at_ms, key, sender=7):
+    return OperatorIntent(session=sender, sent_ns=START + at_ms * MS, intent=Intent(clutch=key))
+
+
+def test_the_clutch_is_as_it_is_reported_from_the_first_report():
+    made = merge(clutch(0, DOWN))
+    assert made.at(START + 200 * MS).clutch is DOWN
+    made.receive(clutch(40, UP), START + 40 * MS)
+    assert made.at(START + 40 * MS).clutch is UP
+
+
+@pytest.mark.parametrize("looked", [True, False])
+@pytest.mark.parametrize(
+    "interruption",
+    [[], [silent(60)], [clutch(60, UNSEEN)], [clutch(260, UP, sender=8)]],
+    ids=["no report", "a page that is silent", "no release seen", "another console"],
+)
+def test_after_an_interruption_only_a_press_and_its_release_let_go_of_the_clutch(interruption, looked):
+    made = merge(clutch(0, UP), clutch(50, DOWN), *interruption)
+    if looked and not interruption:
+        assert made.at(START + 300 * MS) is None
+    sender = interruption[-1].session if interruption else 7
+    for k in range(3):
+        made.receive(clutch(300 + 50 * k, UP, sender), START + (300 + 50 * k) * MS)
+        assert made.at(START + (300 + 50 * k) * MS).clutch is UNSEEN
+    made.receive(clutch(500, DOWN, sender), START + 500 * MS)
+    made.receive(clutch(550, UP, sender), START + 550 * MS)
+    assert made.at(START + 550 * MS).clutch is UP
+
+
+def test_a_second_console_neither_clutches_nor_lets_go():
+    made = merge(clutch(0, DOWN), clutch(10, UP, sender=8))
+    assert made.at(START + 20 * MS).clutch is DOWN
+    made.receive(clutch(30, UP), START + 30 * MS)
+    made.receive(clutch(40, DOWN, sender=8), START + 40 * MS)
+    assert made.at(START + 40 * MS).clutch is UP
+
+
+def test_a_release_that_waited_for_longer_than_it_counts_lets_nothing_go():
+    made = merge(clutch(0, DOWN))
+    made.receive(clutch(100, UP), START + 400 * MS)
+    assert made.at(START + 400 * MS) is None
+    made.receive(clutch(420, UP), START + 420 * MS)
+    assert made.at(START + 420 * MS).clutch is UNSEEN

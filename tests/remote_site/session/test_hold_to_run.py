@@ -76,7 +76,7 @@ def test_the_arm_follows_while_the_input_is_held_and_stops_when_it_is_let_go(mod
     assert rig.frames(1, held=True).action is Action.CAPTURE
 
 
-def test_letting_go_for_a_single_sample_is_a_clutch():
+def test_letting_go_for_a_single_sample_takes_new_origins():
     rig = held()
     assert rig.frames(1).state is SessionState.DISENGAGED
     assert rig.frames(1, held=True).action is Action.CAPTURE

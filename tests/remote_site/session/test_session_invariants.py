@@ -1,10 +1,14 @@
 """What holds for the session whatever happens, in any order."""
 
+from dataclasses import replace
+
+import msgspec
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from common.clock import NS_PER_MS
+from common.messages.hand import ClutchKey, Intent
 from common.messages.robot import FOLLOWING, SessionState
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.age_limit import AgeLimit
@@ -170,3 +174,59 @@ class HeldMachine(RuleBasedStateMachine):
 
 TestHeldMachine = HeldMachine.TestCase
 TestHeldMachine.settings = settings(max_examples=80, stateful_step_count=40, deadline=None, derandomize=True)
+
+
+class ClutchMachine(RuleBasedStateMachine):
+    """Arbitrary reports of the clutch: the arm follows only 200 ms after a release in a row of reports."""
+
+    def __init__(self):
+        super().__init__()
+        self.session = Session(SAFETY, EngagementConfig(frames=3), AgeLimit(SAFETY))
+        self.session.authorise(LEASE)
+        self.now_ns = 10_000 * NS_PER_MS
+        self.before, self.is_held, self.released_ns = ClutchKey.UP, False, None
+
+    @rule(count=st.integers(1, 9), key=st.sampled_from([*ClutchKey, None]))
+    def see(self, count, key):
+        for _ in range(count):
+            self.now_ns += PERIOD
+            sample = good(self.now_ns)
+            intent = None if key is None else Intent(clutch=key)
+            self.session.sample(replace(sample, sample=msgspec.structs.replace(sample.sample, intent=intent)))
+            self.note(key)
+            self.step()
+
+    def note(self, key):
+        if key in (ClutchKey.DOWN, ClutchKey.UNSEEN):
+            self.is_held = True
+        elif self.is_held and (self.before, key) == (ClutchKey.DOWN, ClutchKey.UP):
+            self.is_held, self.released_ns = False, self.now_ns
+        self.before = key
+
+    @rule()
+    def lose(self):
+        self.session.sample(LOST)
+        self.released_ns = self.now_ns if self.released_ns is not None else None
+
+    @rule(ticks=st.integers(1, 60))
+    def pass_time(self, ticks):
+        for _ in range(ticks):
+            self.now_ns += 16 * NS_PER_MS
+            self.step()
+
+    @rule()
+    def engage(self):
+        done = self.session.request_engage(self.now_ns, READY).done
+        assert not (done and self.is_held and self.session.state is SessionState.DISENGAGED)
+
+    def step(self):
+        decision = self.session.tick(self.now_ns, READY)
+        if decision.action is not Action.STOP:
+            assert not self.is_held
+        if decision.action in (Action.CAPTURE, Action.RESUME) and self.released_ns is not None:
+            assert self.now_ns - self.released_ns >= 200 * NS_PER_MS
+            self.released_ns = None
+
+
+TestClutchMachine = ClutchMachine.TestCase
+TestClutchMachine.settings = settings(max_examples=80, stateful_step_count=40, deadline=None, derandomize=True)

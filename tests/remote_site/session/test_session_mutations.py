@@ -2,10 +2,13 @@
 
 import pytest
 
-from common.messages.hand import OperatorSettings
+from common.messages.clutch_latch import ClutchLatch
+from common.messages.hand import ClutchKey, OperatorSettings
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
+from remote_site.session import clutch as clutch_module
 from remote_site.session import lease as lease_module
+from remote_site.session.clutch import Clutch
 from remote_site.session.config import EngagementMode
 from remote_site.session.engagement_intent import EngagementIntent
 from remote_site.session.fault_latch import FaultLatch
@@ -19,6 +22,7 @@ from remote_site.session.state_machine import Session
 from tests.remote_site.mutation import Mutation
 from tests.remote_site.remote_loop import RemoteLoop
 from tests.remote_site.session import session_rig
+from tests.remote_site.session import test_clutch_held as of_clutch
 from tests.remote_site.session import test_engagement as of_engagement
 from tests.remote_site.session import test_fault_latch as of_faults
 from tests.remote_site.session import test_halts as of_halts
@@ -63,6 +67,18 @@ def stays_locked(*reported):
 
 def silent_page(test):
     return lambda: test(of_settings.locked_loop())
+
+
+def release_unseen(silence):
+    return lambda: of_clutch.test_a_release_that_nobody_reported_leaves_the_arm_held_and_then_disengaged(
+        of_clutch.SILENT[silence]
+    )
+
+
+def restless(case):
+    """A hand that moves like this is not followed after the clutch."""
+    test = of_clutch.test_a_hand_that_moves_is_not_followed_and_the_engagement_ends_after_the_longest_hold
+    return lambda: test(of_clutch.RESTLESS[case])
 
 
 # A condition that stands after `if`, and never is so any more.
@@ -128,7 +144,7 @@ CONDITIONS = [
         Session,
         "_see_intent",
         "self._intent.released(held) and self.state in FOLLOWING",
-        of_holding_down.test_letting_go_for_a_single_sample_is_a_clutch,
+        of_holding_down.test_letting_go_for_a_single_sample_takes_new_origins,
     ),
 ]
 # Any other text, and what stands there instead.
@@ -314,6 +330,62 @@ TEXTS = [
         "pass",
         of_page.test_another_lease_begins_with_the_defaults_and_without_a_page,
     ),
+    (
+        Session,
+        "_engaged",
+        " or self.page.clutch.reason()",
+        "",
+        of_clutch.test_the_arm_holds_from_the_first_sample_with_the_clutch_down_for_as_long_as_it_is_held,
+    ),
+    (
+        Session,
+        "_unready",
+        "self.page.clutch.reason() or ",
+        "",
+        lambda: of_clutch.test_while_it_is_held_nothing_engages(ClutchKey.DOWN, Code.CLUTCHED),
+    ),
+    (
+        Session,
+        "_stop",
+        "why.code is Code.CLUTCHED",
+        "False",
+        of_clutch.test_the_arm_holds_from_the_first_sample_with_the_clutch_down_for_as_long_as_it_is_held,
+    ),
+    (
+        Hold,
+        "begin",
+        "if not self.clutched",
+        "if True",
+        of_clutch.test_a_hold_after_a_clutch_is_the_first_of_its_kind_and_one_after_another_hold_is_not,
+    ),
+    (ClutchLatch, "see", "if is_missed", "if False", release_unseen("the page lost the focus")),
+    (ClutchLatch, "interrupt", "self.key = ClutchKey.UNSEEN", "pass", release_unseen("the page reports nothing")),
+    (Clutch, "_see", "self._latch.interrupt()", "pass", release_unseen("a single sample without a report")),
+    (
+        Clutch,
+        "_settle",
+        "newest.sample.capture_ns < released_ns",
+        "False",
+        of_clutch.test_what_a_sample_shows_of_the_hand_before_it_was_sent_is_no_calm_after_the_release,
+    ),
+    (
+        Clutch,
+        "_settle",
+        "newest.born_ns - last.born_ns > gap_ns or ",
+        "",
+        lambda: of_clutch.test_a_hand_that_is_not_seen_is_not_calm(lambda rig: rig.wait(90)),
+    ),
+    (Clutch, "_settle", " or _moved(first, newest)", "", restless("to and fro")),
+    (clutch_module, "_moved", "return before is not now", "return False", restless("turning too fast to be shown")),
+    (clutch_module, "_moved", "angle_between(before, now) > CALM_RAD", "False", restless("turning")),
+    (
+        clutch_module,
+        "_moved",
+        "first.sample.hand_open != newest.sample.hand_open",
+        "False",
+        restless("opening and closing"),
+    ),
+    (OperatorPage, "begin", "self.clutch = Clutch()", "pass", of_clutch.test_a_new_lease_begins_with_the_clutch_up),
     (FaultLatch, "_lapses", " and fault.code in SILENCES + ASLEEP", "", wrong_robot_latches),
     (FaultLatch, "_lapses", "resting and ", "", stumble_in_motion_stays),
 ]

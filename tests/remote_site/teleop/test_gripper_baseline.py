@@ -44,7 +44,7 @@ def held(loop: RemoteLoop, **changes: object) -> dict[str, object]:
     return {}
 
 
-def clutched(loop: RemoteLoop, **changes: object) -> dict[str, object]:
+def renewed(loop: RemoteLoop, **changes: object) -> dict[str, object]:
     for revision in range(1, 6):
         intent = Intent(settings=OperatorSettings(lease=loop.lease, revision=revision))
         loop.run(EVERY, still, intent=intent, **changes)
@@ -65,12 +65,12 @@ def a_toggle_is_forgotten(interrupt: Interrupt) -> None:
     assert (loop.gripper, loop.snapshot.gripper_toggles) == (GripperCommand.KEEP, 0)
 
 
-@pytest.mark.parametrize("interrupt", [disengaged, held, clutched, lost])
+@pytest.mark.parametrize("interrupt", [disengaged, held, renewed, lost])
 def test_a_toggle_meanwhile_never_moves_the_gripper(interrupt: Interrupt) -> None:
     a_toggle_is_forgotten(interrupt)
 
 
-@pytest.mark.parametrize("interrupt", [disengaged, held, clutched, lost])
+@pytest.mark.parametrize("interrupt", [disengaged, held, renewed, lost])
 def test_a_hand_that_opened_meanwhile_and_is_counted_afterwards_never_moves_the_gripper(
     interrupt: Interrupt,
 ) -> None:

@@ -156,7 +156,7 @@ def test_a_hand_that_was_lost_has_to_be_seen_closed_again() -> None:
     assert gripper.applied == 0
 
 
-def test_a_toggle_under_the_clutch_is_not_applied() -> None:
+def test_a_toggle_with_new_origins_is_not_applied() -> None:
     gripper = engaged()
     gripper.follow(sample(1, hand_open=True), 1, None)
     gripper.follow(sample(2, hand_open=True), 2, None)

@@ -153,16 +153,16 @@ def steered(mapping, wrist, hand, held, **changes):
 
 @settings(max_examples=50, deadline=None, derandomize=True)
 @given(turns, turns, vectors, st.floats(0.05, 5), st.floats(0, 2), st.integers(1, 9), st.booleans(), st.booleans())
-def test_whatever_the_operator_steers_the_target_does_not_jump(first, second, step, scale, turning, clutch, lock, roll):
-    """Scale, locks and clutch take effect from where the target is: 0.01 mm is allowed, rounding is left."""
+def test_whatever_the_operator_steers_the_target_does_not_jump(first, second, step, scale, turning, new, lock, roll):
+    """Scale, locks and new origins take effect from where the target is: 0.01 mm is allowed, rounding is left."""
     mapping, wrist = engaged(first), WRIST + step
     held = mapping.target(wrist, second)
     locks = Locks(x=lock, roll=roll)
-    after = steered(mapping, wrist, second, held, revision=clutch, scale=scale, rotation_scale=turning, locks=locks)
+    after = steered(mapping, wrist, second, held, revision=new, scale=scale, rotation_scale=turning, locks=locks)
     assert np.abs(after - held).max() < 1e-9
 
 
-def test_a_clutch_takes_the_hand_anew_and_the_tool_from_where_it_is_held():
+def test_new_origins_take_the_hand_anew_and_the_tool_from_where_it_is_held():
     mapping = engaged(np.eye(3))
     saturated = transform(TOOL[:3, :3], TOOL[:3, 3] + [0.1, 0.0, 0.0])
     far = WRIST + np.array([0.0, -2.0, 0.0])

@@ -21,7 +21,7 @@ START = RemoteConfig().robot.start
 TURNED = START + 0.1 * np.eye(6)[0]
 TOOL = MODEL.forward(START)
 WRIST = np.array([0.0, 0.0, 0.3])
-AS_GRANTED, CLUTCHED = OperatorSettings(), OperatorSettings(revision=1)
+AS_GRANTED, RENEWED = OperatorSettings(), OperatorSettings(revision=1)
 BORN, NOW = 10_000 * NS_PER_MS, 10_020 * NS_PER_MS
 
 
@@ -99,11 +99,11 @@ def test_a_target_that_the_box_holds_is_told_with_how_far_the_hand_is_beyond_it(
     assert target.aim(sample((0.0, 0.0, above - 0.1)), AS_GRANTED, START, START, NOW).boxed is None
 
 
-def test_a_clutch_goes_on_from_the_leashed_target():
+def test_new_origins_go_on_from_the_leashed_target():
     target, far, further = captured(leash_m=0.1), (0.0, 0.3, 0.0), (0.0, 0.3, -0.05)
     leashed = target.aim(sample(far), AS_GRANTED, START, START, NOW).base_T_target
-    assert target.aim(sample(far), CLUTCHED, START, START, NOW).base_T_target == pytest.approx(leashed)
-    moved = target.aim(sample(further), CLUTCHED, TURNED, TURNED, NOW).base_T_target
+    assert target.aim(sample(far), RENEWED, START, START, NOW).base_T_target == pytest.approx(leashed)
+    moved = target.aim(sample(further), RENEWED, TURNED, TURNED, NOW).base_T_target
     assert moved[:3, 3] == pytest.approx(leashed[:3, 3] + [0.0, 0.0, -0.05])
 
 

@@ -63,12 +63,12 @@ def test_what_was_lacking_is_made_up_at_the_catch_up_speed_which_nothing_else_ma
 
 
 def test_a_change_of_the_settings_takes_a_new_reference_so_nothing_is_made_up():
-    target, clutched = captured(), OperatorSettings(revision=1)
+    target, renewed = captured(), OperatorSettings(revision=1)
     aimed(target, turned(1, 20.0, NEVER))
     for k in range(2, 60):
-        aimed(target, turned(k, 20.0), clutched)
+        aimed(target, turned(k, 20.0), renewed)
     assert deg(target) == pytest.approx(0.0, abs=1e-6)
-    aimed(target, turned(60, 23.0), clutched)
+    aimed(target, turned(60, 23.0), renewed)
     assert deg(target) == pytest.approx(3.0)
 
 

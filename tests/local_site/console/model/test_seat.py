@@ -1,15 +1,19 @@
 """Who operates, and what counts as held: silence, stops and another page always need a new press."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS, NS_PER_S
+from common.messages.hand import ClutchKey
 from local_site.console.model.seat import Seat, Visitor
 
 ANNA, BEN = Visitor(1, "127.0.0.1"), Visitor(2, "10.0.0.7")
 BEAT_NS = 50 * NS_PER_MS
+UP, DOWN, UNSEEN = ClutchKey
 
 
 class Room:
@@ -223,3 +227,75 @@ def test_what_the_operating_page_asks_the_robot_for_lasts_as_long_as_it_beats() 
     seat.beat(operates, 210 * NS_PER_MS, 200 * NS_PER_MS, down=False, assist="block")
     seat.leave(operates)
     assert seat.assisted(220 * NS_PER_MS) is None
+
+
+def clutch(
+    room: Room,
+    key: ClutchKey,
+    count: int = 1,
+    *,
+    by: Visitor = ANNA,
+    heard_ms_ago: float = 50.0,
+    after_ms: float = 50.0,
+) -> ClutchKey:
+    """So many beats with the clutch like this; what the console passes on then."""
+    for _ in range(count):
+        room.now_ns += round(after_ms * NS_PER_MS)
+        heard_ns = room.now_ns - round(heard_ms_ago * NS_PER_MS)
+        room.seat.beat(by, room.now_ns, heard_ns, down=False, clutch=key)
+    return room.seat.clutch(room.now_ns)
+
+
+def test_the_clutch_is_as_the_operating_page_reports_it_from_its_first_beat(room: Room) -> None:
+    assert room.seat.clutch(room.now_ns) is UP
+    assert clutch(room, DOWN) is DOWN
+    assert clutch(room, DOWN, 40) is DOWN
+    assert clutch(room, UP) is UP
+
+
+@pytest.mark.parametrize(
+    "interrupted",
+    [
+        lambda room: room.pass_ms(201),
+        lambda room: clutch(room, UP, after_ms=201),
+        lambda room: clutch(room, UP, heard_ms_ago=401),
+        lambda room: clutch(room, UP, 20, heard_ms_ago=3000),
+        lambda room: clutch(room, UNSEEN),
+        lambda room: (room.seat.go(ANNA), room.seat.arrive(ANNA, room.now_ns)),
+        lambda room: (
+            (room.seat.leave(ANNA), room.seat.take(BEN, room.now_ns), room.seat.leave(BEN))
+            and room.seat.take(ANNA, room.now_ns)
+        ),
+    ],
+    ids=["silent", "silent, then up", "late", "late for long", "not seen", "loaded again", "another page between"],
+)
+def test_a_release_that_does_not_come_in_time_from_the_same_page_lets_nothing_go(
+    room: Room, interrupted: Callable[[Room], object]
+) -> None:
+    clutch(room, DOWN, 3)
+    interrupted(room)
+    assert room.seat.clutch(room.now_ns) is UNSEEN
+    assert clutch(room, UP, 20) is UNSEEN
+    assert clutch(room, DOWN) is DOWN
+    assert clutch(room, UP) is UP
+
+
+def test_a_second_page_neither_clutches_nor_lets_go(room: Room) -> None:
+    room.seat.arrive(BEN, room.now_ns)
+    clutch(room, UP)
+    assert clutch(room, DOWN, by=BEN) is UP
+    clutch(room, DOWN)
+    assert clutch(room, UP, by=BEN) is DOWN
+    room.seat.leave(BEN)
+    assert room.seat.clutch(room.now_ns) is DOWN
+
+
+def test_a_press_that_comes_late_holds_all_the_same(room: Room) -> None:
+    clutch(room, UP)
+    assert clutch(room, DOWN, heard_ms_ago=500) is UNSEEN
+
+
+def test_a_stop_lets_go_of_the_key_and_not_of_the_clutch(room: Room) -> None:
+    clutch(room, DOWN)
+    room.seat.interrupt()
+    assert clutch(room, DOWN) is DOWN

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.messages.codec import decode, encode
-from common.messages.hand import HandArm, HandPoint, Intent, Locks, OperatorSettings, TrackingStatus
+from common.messages.hand import ClutchKey, HandArm, HandPoint, Intent, Locks, OperatorSettings, TrackingStatus
 from common.messages.requests import Description
 from common.messages.robot import RobotState, SessionState
 from local_site.console.model.sent_target import SentTarget
@@ -145,6 +145,8 @@ SPOILT: dict[str, Spoil] = {
     "the hand is being learned": newest_is(status=TrackingStatus.INITIALISING),
     "the wrist is not seen": newest_is(wrist=None),
     "the key was let go": newest_is(intent=Intent(hold=False)),
+    "the clutch is down": newest_is(intent=Intent(hold=True, clutch=ClutchKey.DOWN)),
+    "nobody saw the clutch let go": newest_is(intent=Intent(hold=True, clutch=ClutchKey.UNSEEN)),
     "nobody reports the key": newest_is(intent=None),
     "the local site has started again": newest_is(session=SESSION + 1),
     "a sample is missing": a_sample_is_missing,
@@ -177,7 +179,14 @@ def test_a_key_that_nobody_has_to_hold_is_not_asked_for() -> None:
     assert sent.base_T_tool(released.capture_ns, ONE_CLOCK) is not None
 
 
-@pytest.mark.parametrize("changes", [{"status": TrackingStatus.LOST, "wrist": None}, {"intent": Intent(hold=False)}])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"status": TrackingStatus.LOST, "wrist": None},
+        {"intent": Intent(hold=False)},
+        {"intent": Intent(hold=True, clutch=ClutchKey.DOWN)},
+    ],
+)
 def test_after_what_stops_the_arm_nothing_is_shown_until_the_remote_site_has_answered(changes: dict[str, Any]) -> None:
     sent, _, samples = following(held=True)
     back = sample(len(samples) + 1)
