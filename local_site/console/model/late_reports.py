@@ -4,7 +4,6 @@ from msgspec.structs import replace
 
 from common.clock import NS_PER_MS
 from common.link.channels import HAND
-from common.messages.hand import HandArm
 from common.messages.requests import Reply
 from common.messages.robot import NO_PAGE, RobotState
 from local_site.console.model.seat import BEAT_TIMEOUT_NS, MOST_AGE_NS, Seat
