@@ -61,6 +61,7 @@ def _take(address: str, at_s: float, picture: Path) -> None:
         page.wait_for_function("() => document.getElementById('play-word').textContent === 'Pause'")
         page.keyboard.press("Space")
         page.fill("#timeline", f"{at_s:.1f}")
+        page.locator("#timeline").blur()
         page.wait_for_timeout(SETTLE_MS)
         page.screenshot(path=str(picture))
         browser.close()

@@ -111,7 +111,8 @@ def _of_state(browser: Any, folder: Path, name: str, state: State) -> list[Path]
         shown = StagedPage(console)
         page = browser.new_context().new_page()
         page.goto(console.address)
-        shown.describe()
+        if state() is not None:
+            shown.describe()
         for size, (width, height) in SIZES.items():
             page.set_viewport_size({"width": width, "height": height})
             _let_settle(page, shown, state)

@@ -53,7 +53,7 @@ def served(browser: object, folder: Path, change: Change = lambda _: {}) -> Iter
     yield Served(page, end)
     page.close()
     end()
-    assert not [error for error in page.errors if "WebSocket" not in error]
+    assert [error for error in page.errors if "WebSocket" not in error] == []
 
 
 def jump(page: OpenedPage, seconds: float, *, playing: bool = False) -> None:

@@ -104,4 +104,4 @@ def opened_told(browser: object) -> Iterator[Told]:
         told.until("the views", lambda: len(page.marks()) == len(scene.CAMERAS))
         yield told
         page.close()
-    assert not [error for error in page.errors if "WebSocket" not in error]
+    assert [error for error in page.errors if "WebSocket" not in error] == []

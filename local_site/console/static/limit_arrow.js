@@ -48,7 +48,7 @@ function drawName(context, [x, y], name) {
   context.font = `600 ${em}px "DejaVu Sans", system-ui, sans-serif`;
   const { width } = context.measureText(name);
   const isRight = x + width + 1.7 * em > context.canvas.clientWidth;
-  const left = isRight ? x - width - 1.4 * em : x + 0.85 * em;
+  const left = Math.max(0.5 * em, isRight ? x - width - 1.4 * em : x + 0.85 * em);
   context.fillStyle = "#000000c0";
   context.beginPath();
   context.roundRect(left - 0.35 * em, y - 1.57 * em, width + 0.7 * em, 1.43 * em, 4);

@@ -5,7 +5,7 @@ const START = [
   ["strong", "Nothing has been started yet"],
   ["p", "On the robot's host, type", "farhand remote --config remote.toml"],
   ["p", "On this host, type", "farhand local --config local.toml"],
-  ["p", "This page goes on by itself once they run."],
+  ["p", "This page goes on by itself then."],
 ];
 const HAND_IS_HERE = START.filter(([, , command]) => !command?.startsWith("farhand local"));
 const NO_STATE = [["strong", "No robot yet"], ...HAND_IS_HERE.slice(1)];

@@ -48,6 +48,7 @@ export class PictureRoom {
     const shown = this.#views ?? [];
     const large = shown.findIndex(({ name }) => name === this.#large);
     shown.forEach((view, k) => view.element.classList.toggle("enlarged", k === large));
+    this.#room.toggleAttribute("data-waiting", this.#views === null);
     const [shapes, chosen] = [shown.map(({ aspect }) => aspect), large < 0 ? null : large];
     const boxes = SCROLLS.matches ? this.#stack(shapes, chosen) : this.#spread(shapes, chosen);
     shown.forEach((view, k) => place(view.element, boxes[k], GAP_PX));
