@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Self
 
+from common.messages.robot import NO_PAGE
+
 MORE_PICTURES = (
     "Cure: let the operator's cameras give more pictures a second (fps and a fixed exposure_ms in [operator.cameras]), "
     "choose a quicker tracker, or set a longer safety.t_soft_ms"
@@ -129,11 +131,7 @@ class Code(StrEnum):
         "the hand samples came late several times: the arm has waited for {held_ms:.0f} of {least_ms:.0f} ms",
     )
     MOVING = "moving", "the arm is still coming to rest"
-    PAGE_SILENT = (
-        "page_silent",
-        "no page operates: open the operator's page and take the controls; to operate without a page, "
-        "release the lease and take it again",
-    )
+    PAGE_SILENT = "page_silent", NO_PAGE
     PAUSED = "paused", "control paused for {paused_ms:.0f} ms (limit {limit_ms:.0f} ms)"
     SLOW = (
         "slow",

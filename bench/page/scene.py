@@ -41,7 +41,7 @@ def cell(*, held: bool = True) -> Description:
 
 
 def state(word: SessionState, code: str, reason: str, **changes: object) -> RobotState:
-    """The robot's state now, 0.1 rad short of what is commanded."""
+    """The robot's state now, 0.006 rad short of what is commanded, as an arm under way is."""
     now_ns = time.monotonic_ns()
     q = CONFIG.robot.start
     known = RobotState(
@@ -54,7 +54,7 @@ def state(word: SessionState, code: str, reason: str, **changes: object) -> Robo
         age_limit_ms=100.0,
         speed_scale=1.0,
         q=tuple(q.tolist()),
-        q_commanded=tuple((q + 0.1).tolist()),
+        q_commanded=tuple((q + 0.006).tolist()),
         base_T_tool=Pose.from_transform(MODEL.forward(q)),
         gripper=GripperState(opening=0.05, force=12.0, commanded=GripperCommand.CLOSED, status=GripperStatus.HOLDING),
         gripper_toggles_applied=1,

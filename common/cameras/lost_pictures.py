@@ -16,8 +16,8 @@ class LostPictures:
 
     def __init__(self, cameras: Sequence[str]) -> None:
         self.cameras = tuple(cameras)
-        memory = mmap.mmap(-1, len(self.cameras) * COUNT_BYTES)
-        self._counts = np.frombuffer(memory, dtype=np.int64)
+        memory = mmap.mmap(-1, max(1, len(self.cameras)) * COUNT_BYTES)  # nothing can be mapped of no size
+        self._counts = np.frombuffer(memory, dtype=np.int64)[: len(self.cameras)]
 
     def read(self) -> dict[str, int]:
         """The count of each camera so far."""

@@ -1,10 +1,13 @@
 """What a recorder does, as the site it records publishes it; frozen structs."""
 
 from enum import StrEnum
+from typing import Annotated
 
 import msgspec
 
 from common.messages.base import Count, Message, Text
+
+Seconds = Annotated[float, msgspec.Meta(ge=0)]
 
 
 class EpisodeOutcome(StrEnum):
@@ -21,6 +24,8 @@ class RecordingState(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     With `on_request` the lease's holder may begin and end the recording. `episode` is the number of the one that is
     under way (`episode_open`) or was the last, 0 before the first; `task` and `outcome` are its own. `lost` counts what
     the recorder was too slow to take. `alarm` states why a recording has ended that nobody ended, else it is empty.
+    `seconds` is how long the recording has lasted, `size_bytes` what it has written, `episode_seconds` how long the
+    episode has lasted, or did.
     """
 
     writing: bool
@@ -32,6 +37,9 @@ class RecordingState(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
     outcome: EpisodeOutcome
     lost: Count
     alarm: Text
+    seconds: Seconds = 0.0
+    size_bytes: Count = 0
+    episode_seconds: Seconds = 0.0
 
 
 class RecordingNotice(Message, frozen=True):

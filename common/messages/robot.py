@@ -24,6 +24,10 @@ class SessionState(StrEnum):
 FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)  # within an engagement
 STOPPED = "stopped"  # the code after a stop, until it is reset
 SITE_ENDED = "site_ended"  # the code of the last state of a remote site that was asked to end
+NO_PAGE = (  # a console with a page that operates says instead what is late
+    "no page operates: open the operator's page and take the controls; to operate without a page, "
+    "release the lease and take it again"
+)
 
 
 class GripperCommand(StrEnum):

@@ -1,5 +1,6 @@
 """A recording with its episodes: begun at once, or by whoever may ask for it."""
 
+from common.clock import NS_PER_S
 from common.messages.recording import EpisodeOutcome, RecordingState
 from common.messages.requests import RecordAction
 from common.recording.config import RecordConfig, StartPolicy
@@ -16,6 +17,7 @@ class AskedRecording:
         self._config, self._recording, self._operator_pictures = config, recording, operator_pictures
         self._wanted = not self.is_on_request
         self._episodes = Episodes(config.episodes, config.task)
+        self._now_ns = 0
 
     @property
     def is_on_request(self) -> bool:
@@ -64,6 +66,11 @@ class AskedRecording:
         """Write to the recording under way, if there is one."""
         self._recording.write(write)
 
+    def tend(self, now_ns: int) -> None:
+        """See to the files of the recording under way, and note the time, by which `state` tells how long it is."""
+        self._now_ns = now_ns
+        self.write(lambda session: session.tend(now_ns))
+
     def end(self, now_ns: int) -> None:
         """End the recording under way in order, if there is one."""
         if self.is_writing:
@@ -71,7 +78,7 @@ class AskedRecording:
 
     def state(self, lost: int) -> RecordingState:
         """What the recorder does; `lost` counts what it was too slow to take."""
-        episodes = self._episodes
+        episodes, session = self._episodes, self._recording.session
         return RecordingState(
             writing=self.is_writing,
             on_request=self.is_on_request,
@@ -82,6 +89,9 @@ class AskedRecording:
             outcome=episodes.outcome,
             lost=lost,
             alarm=self._recording.alarm,
+            seconds=max(0, self._now_ns - session.began_ns) / NS_PER_S if session is not None else 0.0,
+            size_bytes=session.size_bytes if session is not None else 0,
+            episode_seconds=episodes.lasted_ns(self._now_ns) / NS_PER_S,
         )
 
 

@@ -52,11 +52,17 @@ class Episodes:
     note: str = ""
     _task: str = field(default="", init=False)
     _engaged: bool = field(default=False, init=False)
+    _begun_ns: int = field(default=0, init=False)
+    _ended_ns: int = field(default=0, init=False)
 
     @property
     def shown_task(self) -> str:
         """The task of the episode under way, else that of the next."""
         return self._task if self.is_open else self.task
+
+    def lasted_ns(self, now_ns: int) -> int:
+        """How long the episode under way has lasted by now, or the last one did; 0 before the first."""
+        return max(0, (now_ns if self.is_open else self._ended_ns) - self._begun_ns)
 
     def follow(self, *, engaged: bool, t_ns: int) -> list[EpisodeEvent]:
         """Whether the arm is engaged now, a short hold included; the events that follow from it."""
@@ -94,14 +100,14 @@ class Episodes:
         if self.number >= MOST_EPISODES:
             return []
         ended = self._end(t_ns, by)
-        self.number += 1
+        self.number, self._begun_ns = self.number + 1, t_ns
         self.is_open, self.outcome, self.note, self._task = True, EpisodeOutcome.UNKNOWN, "", self.task
         return [*ended, self._event(EpisodeEventKind.BEGIN, t_ns, by)]
 
     def _end(self, t_ns: int, by: str) -> list[EpisodeEvent]:
         if not self.is_open:
             return []
-        self.is_open = False
+        self.is_open, self._ended_ns = False, t_ns
         return [self._event(EpisodeEventKind.END, t_ns, by)]
 
     def _event(self, kind: EpisodeEventKind, t_ns: int, by: str) -> EpisodeEvent:

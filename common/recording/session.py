@@ -37,12 +37,14 @@ class RecordingPlan:
 class RecordingSession:
     """Times come in by the host's monotonic clock; in the file they count from 1970, by the date of the beginning.
 
-    `preamble` writes what every part has to contain. OSError of any call: nothing more can be written, `abandon` it.
+    It began at `began_ns`. `preamble` writes what every part has to contain. OSError of any call: nothing more can be
+    written, `abandon` it.
     """
 
     def __init__(self, plan: RecordingPlan, began: datetime, now_ns: int, preamble: "Preamble") -> None:
         self._plan, self._began, self._preamble = plan, began, preamble
         self._epoch_ns = (began - EPOCH) // timedelta(microseconds=1) * 1000 - now_ns
+        self.began_ns, self._finished_bytes = now_ns, 0
         self._part, self._begun_ns, self._flushed_ns = 0, now_ns, now_ns
         self._file = self._next_part(now_ns)
 
@@ -50,6 +52,11 @@ class RecordingSession:
     def path(self) -> Path:
         """The file that grows."""
         return self._file.path
+
+    @property
+    def size_bytes(self) -> int:
+        """What all its files hold, without what came since the last flush."""
+        return self._finished_bytes + self._file.size
 
     def since_1970_ns(self, t_ns: int) -> int:
         """A time in the file; one that no reader takes, as an operator's sample may name, becomes the nearest."""
@@ -82,6 +89,7 @@ class RecordingSession:
         is_full = self._file.size >= min(config.split_gb, config.keep_gb) * BYTES_PER_GB
         if minutes >= config.split_minutes or is_full:
             self._file.finish()
+            self._finished_bytes += self._file.size
             self._file = self._next_part(now_ns)
 
     def end(self) -> None:

@@ -76,7 +76,7 @@ class RecordingPlayer:
 
     def __init__(self, scene: RecordedScene, name: str, playback: Playback) -> None:
         self._scene, self._playback = scene, playback
-        self.seat, self.lease = Seat(open_=False), 0
+        self.seat, self.lease, self.late = Seat(open_=False), 0, ""
         self.settings: OperatorSettings | None = None
         self.hub = Hub(
             self,

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -24,6 +23,7 @@ from common.recording.folder import parts_from
 from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.reader import KeptMessage, RecordingReader, as_recorded
 from common.recording.recorded_episodes import event_in
+from farhand.replay.jumps import SESSION, RecordedEvent, worth_a_jump
 from farhand.replay.recorded_cycles import recorded_config
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
@@ -37,15 +37,6 @@ EVENT_TOPICS = EPISODE.name, LOG.name
 HAND_PREFIX = HAND.key.split("{operator}")[0]
 
 Shown = RobotState | HandArm | VideoFrame
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedEvent:
-    """A point of the recording to which a person may want to jump: seconds from its beginning, its kind, and words."""
-
-    at_s: float
-    kind: str
-    words: str
 
 
 def recorded_cell(path: Path, folder: Path) -> Description:
@@ -70,7 +61,7 @@ class RecordedScene:
             config = recorded_config(first, folder)
             self.begin_ns, self.end_ns = first.span_ns[0], last.span_ns[1]
             self.began_ns = self.begin_ns + first.epoch_minus_clock_ns  # since 1970
-            self.events = [event for part in self._parts for event in self._events(part)]
+            self.events = list(worth_a_jump(event for part in self._parts for event in self._events(part)))
             self.cell = _described(config)
             self._open = stack.pop_all()
         self._cameras = {topics.image_topic(camera.name).name: camera.name for camera in config.video.cameras}
@@ -141,7 +132,7 @@ class RecordedScene:
                     if event is not None:
                         yield event
         except RecordingError as error:
-            yield RecordedEvent(at_s, "session", f"no events are known from here on: {error}")
+            yield RecordedEvent(at_s, SESSION, f"no events are known from here on: {error}")
 
     def _event(self, message: KeptMessage, at_s: float) -> RecordedEvent | None:
         if message.topic == EPISODE.name:
@@ -149,7 +140,7 @@ class RecordedScene:
             words = f"episode {event.episode}: {event.event.value}, {event.outcome.value} {event.task}".strip()
             return RecordedEvent(at_s, "episode", words)
         line = Log.FromString(message.data)
-        return RecordedEvent(at_s, "session", line.message) if line.name == "session" else None
+        return RecordedEvent(at_s, SESSION, line.message) if line.name == SESSION else None
 
 
 def _described(config: RemoteConfig) -> Description:

@@ -62,7 +62,11 @@ class StatusWatch:
             self._leave_pictures("not counted, as asked")
         elif not self._counts and seen.description is not None:
             self._counts = True
-            self._count_pictures([camera.name for camera in seen.description.cameras])
+            names = [camera.name for camera in seen.description.cameras]
+            if names:
+                self._count_pictures(names)
+            else:
+                seen.pictures = "the cell has no camera"
 
     def _count_pictures(self, names: list[str]) -> None:
         links, only_video = self._config.links, [ChannelSession.VIDEO]

@@ -108,7 +108,8 @@ def _connect(
     requests, session = SiteRequests(control, watch, cell, name), secrets.randbits(SESSION_BITS)
     handler = PageMessageHandler(Seat(open_=config.operate), outlets, requests, latencies, history, session)
     key_frames = KeyFrames(video.publisher(KEY_FRAMES, cell).put)
-    hub = Hub(handler, watch, latencies, history, watched, key_frames, name, operate=config.operate)
+    remote = config.links.control
+    hub = Hub(handler, watch, latencies, history, watched, key_frames, name, operate=config.operate, remote=remote)
     pictures = Pictures(config, listeners, hub.camera, hub.preview)
     stack.callback(pictures.close)
     listeners.listen(control.latest(STATE, cell), hub.state)

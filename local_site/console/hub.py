@@ -16,6 +16,7 @@ from local_site.console.key_frames import KeyFrames
 from local_site.console.message_handler import NO_LEASE
 from local_site.console.model.frames import view_frame
 from local_site.console.model.history import History
+from local_site.console.model.late_reports import late_reports, named
 from local_site.console.model.latency import Latencies
 from local_site.console.model.page_messages import AnyPageMessage, parse
 from local_site.console.model.seat import Seat
@@ -43,6 +44,7 @@ class PageHandler(Protocol):
 
     seat: Seat
     lease: int
+    late: str
     settings: OperatorSettings | None
 
     def adopt(self, in_force: OperatorSettings | None, now_ns: int) -> None: ...
@@ -63,8 +65,8 @@ class NowClock(Protocol):
 class Hub:
     """Lives in the event loop; every method is called there. `watched` is called with whether any page is connected.
 
-    `operator` is whose console this is; `operate` is whether a page may operate. `replay` describes the recording to
-    the pages where it is not the cell that they see.
+    `operator` is whose console this is; `operate` is whether a page may operate; `remote` is where the remote site is
+    looked for. `replay` describes the recording to the pages where it is not the cell that they see.
     """
 
     def __init__(
@@ -78,12 +80,13 @@ class Hub:
         operator: str,
         *,
         operate: bool,
+        remote: str = "",
         clock: NowClock = HOST_CLOCK,
         replay: Mapping[str, Any] | None = None,
     ) -> None:
         self._handler, self._watch, self._clock = handler, watch, clock
         self._latencies, self._history = latencies, history
-        self._hello = {"operate": operate, "operator": operator, "replay": replay}
+        self._hello = {"operate": operate, "operator": operator, "remote": remote, "replay": replay}
         self._key_frames = key_frames
         self._newest = NewestMessages()
         self._sent = SentTarget()
@@ -113,12 +116,15 @@ class Hub:
 
     def state(self, state: RobotState) -> None:
         """The robot's state has come."""
-        now_ns = self._clock.now_ns()
-        self._newest = replace(self._newest, state=state, state_ns=now_ns)
-        lease = state.lease
+        now_ns, lease, newest = self._clock.now_ns(), state.lease, self._newest
         self._handler.lease = (
             lease.number if lease is not None and lease.holder == self._hello["operator"] else NO_LEASE
         )
+        hand_ns = newest.hand_ns if newest.hand is not None else None
+        is_ours = self._handler.lease != NO_LEASE
+        self._handler.late = late_reports(self._handler.seat, hand_ns, state, now_ns) if is_ours else ""
+        state = named(state, self._handler.late)
+        self._newest = replace(newest, state=state, state_ns=now_ns)
         self._handler.adopt(state.settings, now_ns)
         self._sent.add_state(state)
         self._history.add_state(state, now_ns)

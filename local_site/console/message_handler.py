@@ -15,6 +15,7 @@ from common.messages.requests import EngagementAction, OperatorAction, PicturePo
 from common.messages.robot import Asker
 from common.messages.video import VideoFrame, ViewsShown
 from local_site.console.model.history import History
+from local_site.console.model.late_reports import answered
 from local_site.console.model.latency import Latencies
 from local_site.console.model.page_messages import (
     AnyPageMessage,
@@ -66,7 +67,8 @@ class Outlets:
 class PageMessageHandler:
     """Lives in the event loop; every method is called there. Any page may stop the arm, the rest is the operator's.
 
-    `lease` is the number of the lease that this console's operator last held. `settings` are those in force at the
+    `lease` is the number of the lease that this console's operator last held; `late` says what is late of the operating
+    page's reports, if any is. `settings` are those in force at the
     remote site, with what the operating page has changed since; None until they are known. Without outlets, where
     pages only watch, nothing is sent to the sites.
     """
@@ -81,7 +83,7 @@ class PageMessageHandler:
         session: int,
     ) -> None:
         self.seat = seat
-        self.lease = NO_LEASE
+        self.lease, self.late = NO_LEASE, ""
         self.settings: OperatorSettings | None = None
         self._changed_ns = 0
         self._reported = False
@@ -218,7 +220,7 @@ class PageMessageHandler:
         action, seen_ns = message.action, int(message.seen)
         if action is not EngagementAction.DISENGAGE:
             standing = self._pools.standing
-            return lambda: self._requests.engagement(action, seen_ns, standing)
+            return lambda: answered(self._requests.engagement(action, seen_ns, standing), self.late)
         if page.visitor == self.seat.occupant:
             self._pools.withdraw()
         return lambda: self._requests.engagement(action)

@@ -81,7 +81,7 @@ class OperatorRecorder:
         if recording.is_over:
             self.end(now_ns)
         self._heard.hear_views(wanted=recording.is_writing and self._config.record.operator_pictures)
-        recording.write(lambda session: session.tend(now_ns))
+        recording.tend(now_ns)
         if now_ns - self._notice_ns < NOTICE_NS:
             return None
         self._notice_ns = now_ns

@@ -41,7 +41,7 @@ class CellRecorder:
         elif recording.is_over:
             self.end(now_ns)
         self._keep()
-        recording.write(lambda session: session.tend(now_ns))
+        recording.tend(now_ns)
         if now_ns - self._told_ns >= STATUS_NS:
             self._told_ns = now_ns
             self._site.tell(self.state())

@@ -42,9 +42,12 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
 
 class VideoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Four views by default, as in thesis section 4.1.3: two in front, one at the side, one on the end-effector."""
+    """Four views by default, as in thesis section 4.1.3: two in front, one at the side, one on the end-effector.
 
-    cameras: Annotated[tuple[CameraConfig, ...], Meta(min_length=1, max_length=16)] = (
+    None (`cameras = []`) where the operator sees the arm itself.
+    """
+
+    cameras: Annotated[tuple[CameraConfig, ...], Meta(max_length=16)] = (
         CameraConfig(name="front_high"),
         CameraConfig(name="front_low"),
         CameraConfig(name="side"),

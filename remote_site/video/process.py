@@ -37,6 +37,7 @@ LIVE_POLL_NS = 5 * NS_PER_MS
 NARROW_EVERY_NS = 500 * NS_PER_MS
 WATCHED_NS = NS_PER_S
 LISTENERS_EVERY_NS = 50 * NS_PER_MS
+IDLE_S = 0.05
 STATUSES = tuple(CameraStatus)
 BYTES, CAPTURE_NS, OLDEST_NS = (len(STATUSES) + k for k in range(3))
 FIELDS = len(STATUSES) + 3
@@ -61,8 +62,8 @@ class VideoTally:
 
     def __init__(self, cameras: Sequence[str]) -> None:
         self.cameras, self.lost = tuple(cameras), LostPictures(cameras)
-        memory = mmap.mmap(-1, len(self.cameras) * FIELDS * COUNT_BYTES)
-        self._counts = np.frombuffer(memory, dtype=np.int64).reshape(len(self.cameras), FIELDS)
+        rows = max(1, len(self.cameras))  # nothing can be mapped of no size
+        self._counts = np.frombuffer(mmap.mmap(-1, rows * FIELDS * COUNT_BYTES), dtype=np.int64).reshape(rows, FIELDS)
 
     def note(self, frame: VideoFrame, now_ns: int) -> None:
         """Count a message that was sent now."""
@@ -246,11 +247,15 @@ def run_video(
 
     While the operator's console shows pictures, `markers` are looked for in them. `full` gets all while it wants them.
     What cameras lose is counted in `lost`.
+    Without cameras it only lives.
     Raises ConfigError for a simulated camera without a cell, CameraError when views cannot be rendered here.
     """
     cv2.setNumThreads(1)
     slots = _open_slots(config, open_sources(config, views, lost))
     be_nice(config.nice)  # not before: nothing moves until the site is ready, and on a busy machine that would be late
+    if not slots:
+        _wait_for_the_end(should_stop, beat)
+        return
     requests = _KeyFrameRequests(wire.key_frames, {slot.source.name: slot.stream for slot in slots})
     console = _Console(wire, Adaptation(config, h264=_encodes_h264(config.codec)))
     sending = _Sending(wire, console.adaptation)
@@ -276,6 +281,13 @@ def run_video(
     finally:
         for slot in slots:
             slot.source.close()
+
+
+def _wait_for_the_end(should_stop: Callable[[], bool], beat: Callable[[], None]) -> None:
+    """Where no camera is used there is nothing to send."""
+    while not should_stop():
+        beat()
+        time.sleep(IDLE_S)
 
 
 def _encodes_h264(codec: CodecPreference) -> bool:

@@ -53,12 +53,12 @@ def served(browser: object, folder: Path, change: Change = lambda _: {}) -> Iter
     yield Served(page, end)
     page.close()
     end()
-    assert not [error for error in page.errors if "WebSocket" not in error]
+    assert [error for error in page.errors if "WebSocket" not in error] == []
 
 
 def jump(page: OpenedPage, seconds: float, *, playing: bool = False) -> None:
     """Pause, or play, from a time on."""
-    if (page.words("#play") == "Pause") is not playing:
+    if (page.words("#play-word") == "Pause") is not playing:
         page.page.click("#play")
-        page.wait_for("the button", lambda: (page.words("#play") == "Pause") is playing)
+        page.wait_for("the button", lambda: (page.words("#play-word") == "Pause") is playing)
     page.page.fill("#timeline", str(seconds))

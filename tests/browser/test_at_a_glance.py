@@ -7,9 +7,12 @@ import pytest
 from msgspec.structs import replace
 
 from bench.page import scene
+from bench.page.bare_console import BareConsole
 from bench.page.screenshots import STATES, anothers
 from common.messages.hand import Locks, OperatorSettings
 from common.messages.robot import Pose, Readiness, SessionState
+from local_site.console.hub import Hub
+from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told
 
 ENGAGED, HOLDING = SessionState.ENGAGED, SessionState.HOLDING
@@ -128,13 +131,76 @@ def test_a_tool_far_from_its_target_is_behind_and_locks_are_named(told: Told) ->
     q = scene.CONFIG.robot.start
     far = Pose.from_transform(scene.MODEL.forward(q + np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.8])))
     told.state = partial(scene.state, ENGAGED, "ok", FOLLOWS, target=far)
-    told.until("the word", lambda: told.page.state() == "behind")
+    told.until("the second line", lambda: told.page.words("#state-second") == "behind the hand")
+    assert told.page.state() == "engaged"
     assert "46° from its target" in told.page.words("#reason")
     assert tone(told) == "holding"
     locked = OperatorSettings(lease=5, locks=Locks(x=True, yaw=True))
     told.state = partial(scene.state, ENGAGED, "ok", FOLLOWS, settings=locked)
     told.until("the locks", lambda: "locked: x, yaw" in told.page.words("#reason"))
     assert tone(told) == "engaged"
+
+
+@pytest.mark.parametrize(
+    ("code", "second"),
+    [
+        ("out_of_reach", "at its reach"),
+        ("ik_limit", "at a joint limit"),
+        ("obstacle", "at an obstacle"),
+        ("workspace", "at the workspace's edge"),
+        ("velocity", "at its speed limit"),
+        ("singular", "near a singular posture"),
+        ("of a later release", "at a limit"),
+    ],
+)
+def test_the_big_word_is_what_the_arm_does_and_the_limit_stands_below_it(told: Told, code: str, second: str) -> None:
+    told.state = partial(scene.state, ENGAGED, code, "the arm is at a limit")
+    told.until("the limit", lambda: told.page.words("#state-second") == second)
+    assert told.page.state() == "engaged"
+    assert tone(told) == "holding"
+
+
+def test_before_anything_was_started_nothing_is_wrong_and_the_page_says_what_to_type(browser: object) -> None:
+    with BareConsole() as console:
+        page = OpenedPage(browser, console.address)
+        page.wait_for("the word", lambda: page.state() == "no robot")
+        assert page.page.get_attribute("body", "data-tone") == "idle"
+        said = page.page.inner_text("#no-views")
+        assert "farhand remote --config remote.toml" in said
+        assert "farhand local --config local.toml" in said
+        assert "emergency stop" in page.words("#step-words")
+        told = Told(console, page)
+        told.give(Hub.hand, scene.hand())
+        page.wait_for("the hand", lambda: "farhand local" not in page.words("#no-views"))
+        assert "farhand remote" in page.words("#no-views")
+        told.describe()
+        told.until("the robot", lambda: page.state() == "engaged" and not page.page.is_visible("#no-views"))
+        page.wait_for("silence, which is wrong", lambda: page.page.get_attribute("body", "data-tone") == "fault")
+        page.close()
+
+
+def test_a_telephone_is_shown_no_keys_and_a_computer_is(told: Told, browser: object) -> None:
+    kbd = "() => [...document.querySelectorAll('kbd')].filter((key) => key.checkVisibility()).length"
+    told.until("a state", lambda: told.page.state() == "engaged")
+    assert told.page.page.evaluate(kbd) == 0  # its screen is touched
+    assert told.page.page.is_visible("#stop")
+    plain = browser.new_context().new_page()  # type: ignore[attr-defined]
+    plain.goto(told.page.page.url)
+    plain.wait_for_selector("#stop kbd")
+    assert plain.evaluate(kbd) >= 3
+    plain.context.close()
+
+
+def test_ghost_and_tool_are_switched_off_by_one_button_each_and_stay_so(told: Told) -> None:
+    page = told.page.page
+    for button, key in (("ghost", "g"), ("marks", "t")):
+        page.keyboard.press(key)
+        page.reload()
+        told.describe()
+        told.until("the buttons", lambda: page.is_visible("#overlays"))
+        assert page.get_attribute(f"#{button}", "aria-pressed") == "false"
+        page.click(f"#{button}")
+        assert page.get_attribute(f"#{button}", "aria-pressed") == "true"
 
 
 def test_while_another_operates_the_page_says_that_the_hand_moves_nothing(told: Told) -> None:

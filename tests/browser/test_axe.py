@@ -11,8 +11,8 @@ from tests.browser.told import Told
 AXE = "axe_playwright_python"
 RUN = "async () => (await axe.run()).violations.map((v) => [v.id, v.help, v.nodes.map((n) => n.html.slice(0, 120))])"
 SCREENS = {"dark": (1280, 720), "light": (820, 1180)}
-FOLDS = ("#settings", "#facts", "#latency-room", "#events-room")
-WORDS = {"ready": "disengaged", "limited": "workspace", "another operates": "berta operates"}
+FOLDS = ("#settings", "#facts", "#latency-room", "#events-room", "#keys")
+WORDS = {"ready": "disengaged", "limited": "engaged", "another operates": "berta operates"}
 
 
 @pytest.fixture(scope="module")

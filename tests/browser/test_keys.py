@@ -5,11 +5,13 @@ from collections.abc import Iterator
 from functools import partial
 
 import pytest
+from msgspec.structs import replace
 
 from bench.page import scene
 from bench.page.screenshots import STATES
 from common.messages.requests import EngagementAction
 from common.messages.robot import Readiness, SessionState
+from local_site.console.hub import Hub
 from tests.browser.opened_page import READING_MS, OpenedPage
 from tests.browser.told import Told, opened_told
 
@@ -154,22 +156,26 @@ def test_what_is_held_counts_only_where_its_button_was_shown_when_it_went_down(
     assert not page.evaluate(DOWN)
 
 
-def test_keys_of_what_is_folded_away_do_nothing(overheard: Told) -> None:
+def test_keys_of_what_is_not_drawn_do_nothing(overheard: Told) -> None:
+    """Nothing is drawn over pictures of which none is calibrated."""
     shows(overheard, "ready")
-    page = overheard.page.page
+    page, cell = overheard.page.page, scene.cell(held=False)
+    bare = replace(cell, cameras=tuple(replace(camera, calibration=None) for camera in cell.cameras))
     for key, button in (("g", "ghost"), ("t", "marks")):
         page.keyboard.press(key)
         assert page.evaluate(PRESSED, button) == "false"
         page.keyboard.press(key)
-        page.evaluate("() => { document.getElementById('settings').open = false; }")
+        overheard.give(Hub.described, bare)
+        overheard.until("no buttons", lambda: not page.is_visible("#overlays"))
         page.keyboard.press(key)
         assert page.evaluate(PRESSED, button) == "true"
-        page.evaluate("() => { document.getElementById('settings').open = true; }")
+        overheard.give(Hub.described, cell)
+        overheard.until("the buttons", lambda: page.is_visible("#overlays"))
 
 
 def test_keys_of_a_replay_do_nothing_on_a_live_page(overheard: Told) -> None:
     shows(overheard, "ready")
-    overheard.page.page.keyboard.press("k")
+    overheard.page.page.keyboard.press(" ")
     overheard.page.page.keyboard.press("ArrowRight")
     assert "play" not in {told["type"] for told in overheard.page.page.evaluate("() => window.sent")}
 

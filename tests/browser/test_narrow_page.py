@@ -59,6 +59,15 @@ def test_a_live_page_is_whole(narrow: Told) -> None:
     assert narrow.page.page.is_visible("#stop")
 
 
+def test_a_live_page_in_large_type_has_nothing_over_another(narrow: Told) -> None:
+    narrow.page.page.keyboard.press("l")
+    narrow.until("all of it", lambda: narrow.page.words("#recording").startswith("REC, with the operator's pictures"))
+    found = narrow.page.page.evaluate(CHECK)
+    narrow.shot("narrow_large")
+    narrow.page.page.keyboard.press("l")
+    assert (found["width"], found["outside"], found["thin"], found["overlapping"]) == (WIDTH, [], [], [])
+
+
 def is_pressed(told: Told, finger: Any) -> bool:
     """Put a finger on the key, where it is now, and say whether it counts; a busy page may hide it in between."""
     page = told.page.page

@@ -20,7 +20,11 @@ RECORDING = RecordingState(
     outcome=EpisodeOutcome.UNKNOWN,
     lost=0,
     alarm="",
+    seconds=754.2,
+    size_bytes=1_234_567_890,
+    episode_seconds=41.9,
 )
+REC, CLOCKS = "REC 12:34 · 1.2 GB", "episode 2 0:41"
 HIDDEN = "(id) => document.getElementById(id).hidden"
 
 
@@ -38,12 +42,14 @@ def test_without_a_recorder_the_page_shows_nothing_of_it(told: Told) -> None:
 
 def test_a_mark_shows_whenever_something_is_recorded_and_with_whose_pictures(told: Told) -> None:
     tell(told)
-    told.until("the mark", lambda: not hidden(told, "recording") and told.page.words("#recording") == "REC")
-    words = "episode 2 · put the block on the mark"
+    told.until(
+        "the mark", lambda: not hidden(told, "recording") and told.page.words("#recording") == f"{REC} · {CLOCKS}"
+    )
+    words = "episode 2 · 0:41 · put the block on the mark"
     told.until("the episode", lambda: told.page.words("#episode-words") == words)
     told.shot("recording")
     tell(told, operator_pictures=True, lost=3)
-    loud = "REC, with the operator's pictures · 3 lost"
+    loud = f"REC, with the operator's pictures 12:34 · 1.2 GB · {CLOCKS} · 3 lost"
     told.until("the operator's pictures", lambda: told.page.words("#recording") == loud)
     tell(told, writing=False)
     told.until("no mark", lambda: hidden(told, "recording"))
@@ -52,7 +58,7 @@ def test_a_mark_shows_whenever_something_is_recorded_and_with_whose_pictures(tol
 def test_a_recorder_of_the_operators_own_side_is_marked_too(told: Told) -> None:
     own = RecordingNotice(state=msgspec.structs.replace(RECORDING, operator_pictures=True))
     told.give(Hub.recording, own)
-    told.until("the mark", lambda: told.page.words("#recording") == "REC, with the operator's pictures")
+    told.until("the mark", lambda: told.page.words("#recording").startswith("REC, with the operator's pictures 12:34"))
     told.until("its end", lambda: hidden(told, "recording") and hidden(told, "recording-row"))  # it tells nothing more
 
 

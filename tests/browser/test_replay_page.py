@@ -61,6 +61,51 @@ def test_it_plays_and_pauses(replay: OpenedPage) -> None:
     assert replay.words("#position").startswith("0:01.0")
 
 
+def test_the_space_bar_plays_and_pauses_whatever_has_the_focus(replay: OpenedPage) -> None:
+    jump(replay, 1.0)
+    theme = replay.page.get_attribute("html", "data-theme")
+    for focused in ("#theme", "#timeline", "#play"):
+        replay.page.focus(focused)
+        for word in ("Pause", "Play"):
+            replay.page.keyboard.press("Space")
+            replay.wait_for("the button", lambda: replay.words("#play-word") == word)  # noqa: B023  # in this round
+    assert replay.page.get_attribute("html", "data-theme") == theme
+
+
+TICKS = """() => {
+  const track = document.getElementById("timeline").getBoundingClientRect();
+  return [...document.querySelectorAll("#ticks span")].map((tick) => {
+    const { left, width, height } = tick.getBoundingClientRect();
+    return [(left + width / 2 - track.left - 8) / (track.width - 16), height];
+  });
+}"""
+
+
+def test_the_timeline_has_a_mark_where_something_happened(replay: OpenedPage) -> None:
+    listed = replay.page.locator("#jumps button").all_text_contents()
+    ticks = replay.page.evaluate(TICKS)
+    assert len(ticks) == len(listed) >= 2
+    times = [60 * int(minutes) + float(seconds) for minutes, seconds in (line.split()[0].split(":") for line in listed)]
+    assert [part * SECONDS for part, _ in ticks] == pytest.approx(times, abs=0.25)
+    assert min(height for _, height in ticks) >= 5
+    assert any(abs(at_s - ENGAGED_S) < 0.2 for at_s in times)
+
+
+def test_the_list_has_nothing_of_what_only_comes_and_goes(replay: OpenedPage) -> None:
+    words = " ".join(replay.page.locator("#jumps button").all_text_contents())
+    assert "engaged: the arm follows" in words
+    for noise in ("starting", "not engaged yet", "singular", "(ok)"):
+        assert noise not in words
+
+
+def test_a_rate_is_only_told_while_it_plays(replay: OpenedPage) -> None:
+    jump(replay, 3.0)
+    replay.wait_for("no rate", lambda: "recorded" in replay.words("#cameras") and "fps" not in replay.words("#cameras"))
+    jump(replay, 2.0, playing=True)
+    replay.wait_for("a rate", lambda: "fps" in replay.words("#cameras"))
+    jump(replay, 1.0)
+
+
 def test_events_and_keys_lead_through_it(replay: OpenedPage) -> None:
     jump(replay, 0.0)
     replay.page.click("summary")

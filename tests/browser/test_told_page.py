@@ -35,7 +35,7 @@ LOST = "the hand is not tracked: keep forearm and hand in both views"
 BROKEN = "the robot reports a fault: following error of joint_3; reset it once the cause is gone"
 STATES = {
     "engaged": (SessionState.ENGAGED, "ok", "the arm follows the hand", "engaged", "light"),
-    "limited": (SessionState.ENGAGED, "outside_box", BOX, "workspace", "dark"),
+    "limited": (SessionState.ENGAGED, "outside_box", BOX, "engaged", "dark"),
     "holding": (SessionState.HOLDING, "lost", LOST, "holding", "light"),
     "disengaged": (SessionState.DISENGAGED, "let_go", "the key was let go", "disengaged", "light"),
     "fault": (SessionState.FAULT, "robot", BROKEN, "fault", "dark"),
@@ -131,9 +131,11 @@ def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> 
         u, v, w = np.reshape(calibrations[camera].projection, (3, 4)) @ [*scene.MODEL.position(np.array(q)), 1.0]
         drawn = haunted(told, camera)
         assert np.linalg.norm(drawn - (u / w, v / w), axis=1).min() < 3.0, camera
+    assert told.page.page.inner_text("[data-name=side] .explains") == "violet: the arm as commanded"
     told.shot("ghost")
     told.page.page.keyboard.press("g")
     told.until("no ghost", lambda: len(ghost(told, "side")) == 0)
+    assert not told.page.page.is_visible("[data-name=side] .explains")
     told.page.page.click("#ghost")
     told.until("the ghost again", lambda: len(ghost(told, "side")) > 50)
     told.age_ms = 400.0

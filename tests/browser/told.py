@@ -28,7 +28,7 @@ class Told:
 
     def __init__(self, console: BareConsole, page: OpenedPage) -> None:
         self.page, self._console = page, console
-        self.intents, self.sites = console.intents, console.sites
+        self.intents, self.sites, self.clock = console.intents, console.sites, console.clock
         self.shown, self.key_frames = console.shown, console.key_frames
         self._seq = 0
         self.reset()
@@ -104,4 +104,4 @@ def opened_told(browser: object) -> Iterator[Told]:
         told.until("the views", lambda: len(page.marks()) == len(scene.CAMERAS))
         yield told
         page.close()
-    assert not [error for error in page.errors if "WebSocket" not in error]
+    assert [error for error in page.errors if "WebSocket" not in error] == []

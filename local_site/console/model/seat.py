@@ -117,6 +117,14 @@ class Seat:
         """Whether the operating page beats, but so late that it does not count."""
         return self.occupant is not None and not self._is_silent(now_ns) and self._is_late(now_ns)
 
+    def heard_ago_ns(self, now_ns: int) -> int:
+        """How old the newest word of the console's is that the operating page has answered; 0 without a page."""
+        return now_ns - self._heard_ns if self._heard_ns is not None else 0
+
+    def silent_ns(self, now_ns: int) -> int:
+        """How long ago the operating page's last beat came; 0 without a page."""
+        return now_ns - self._beat_ns if self._beat_ns is not None else 0
+
     def held(self, now_ns: int) -> bool:
         """Whether the operating page holds its key at this instant."""
         self._lapse(now_ns)
@@ -144,13 +152,10 @@ class Seat:
             self._clutch.interrupt()
 
     def _abandoned(self, now_ns: int) -> bool:
-        return self._silent_ns(now_ns) > ABANDONED_NS
+        return self.silent_ns(now_ns) > ABANDONED_NS
 
     def _is_silent(self, now_ns: int) -> bool:
-        return self._silent_ns(now_ns) > BEAT_TIMEOUT_NS
+        return self.silent_ns(now_ns) > BEAT_TIMEOUT_NS
 
     def _is_late(self, now_ns: int) -> bool:
-        return self._heard_ns is None or now_ns - self._heard_ns > MOST_AGE_NS
-
-    def _silent_ns(self, now_ns: int) -> int:
-        return now_ns - self._beat_ns if self._beat_ns is not None else 0
+        return self._heard_ns is None or self.heard_ago_ns(now_ns) > MOST_AGE_NS

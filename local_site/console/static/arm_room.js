@@ -80,7 +80,7 @@ export class ArmRoom {
   #draw() {
     const { width, height } = sized(this.#canvas, this.#context);
     this.#context.clearRect(0, 0, width, height);
-    if (this.#cell === null) return;
+    if (this.#cell === null || width === 0) return; // not shown until an arm is known
     this.#drawing.draw(this.#context, this.#orbit.sight(width, height), this.#cell, this.#shown, this.#push, tones(...TONES));
   }
 }

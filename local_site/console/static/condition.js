@@ -1,18 +1,18 @@
-// What the arm does, as the page says it at a glance: one condition with its tone, word and sentence; pure.
+// What the arm does, as the page says it at a glance: one condition with its tone, word, second line and sentence; pure.
 import { ageWords } from "./freshness.js";
 import { distance, turnedBy } from "./kinematics.js";
-import { limitOf } from "./limits.js";
-import { troubles } from "./link_line.js";
+import { limitOf, limitWords } from "./limits.js";
+import { handTrouble } from "./link_line.js";
 
 const LIVE = {
   lost: "the console does not answer, and nothing that you press reaches the arm: if it moves, use the emergency stop; start farhand console again",
-  none: "no state has come from the remote site yet",
+  none: (remote) => `nothing has come from the remote site${remote ? ` at ${remote}` : ""} yet`,
   noneWord: "no robot",
   silent: (age) => `the remote site has been silent for ${age}`,
 };
 const RECORDED = {
   lost: "the program that replays does not answer",
-  none: "no state is recorded up to here",
+  none: () => "no state is recorded up to here",
   noneWord: "nothing",
   silent: (age) => `no state is recorded for ${age}`,
 };
@@ -26,15 +26,17 @@ export const saidOf = (isReplay) => (isReplay ? RECORDED : LIVE);
 
 export const lostCondition = (said) => ({ name: "lost", tone: "fault", word: "no connection", sentence: said.lost });
 
-/** The condition of the newest state under the operator's settings. `unanswered` is the fault or stop of a remote site that has
- * been started again since, null without one; `operator` is whose page this is. */
-export function conditionOf(robot, settings, unanswered, operator, said) {
-  if (robot === null) return { name: "none", tone: "fault", word: said.noneWord, sentence: said.none };
+/** The condition of the newest situation. `operator` is whose page this is, `remote` the remote site's address. A `second` line
+ * says more about the word, where there is more; `limit` is the name of the one that holds the arm back. Before anything has come
+ * nothing is wrong. */
+export function conditionOf(situation, { operator, remote }, said) {
+  const { robot } = situation;
+  if (robot === null) return { name: "none", tone: "idle", word: said.noneWord, sentence: said.none(remote) };
   if (robot.silent) return silent(robot, said);
   if (robot.state === "fault") return { name: "fault", tone: "fault", word: "fault", sentence: robot.reason };
   if (robot.readiness.code === "stopped") return { name: "stopped", tone: "fault", word: "stopped", sentence: robot.reason };
   if (isAnothers(robot.lease, operator)) return another(robot);
-  return { ...session(robot), sentence: sentenceOf(robot, settings, unanswered) };
+  return { ...session(robot), sentence: sentenceOf(situation) };
 }
 
 /** Whether somebody else may operate; without a hand from the local site its session is not known, but the name is. */
@@ -57,10 +59,10 @@ function session(robot) {
   if (robot.state === "holding" && robot.code.startsWith("clutch")) return { name: "clutched", tone: "holding", word: "clutched" };
   if (robot.state === "holding") return { name: "holding", tone: "holding", word: "holding" };
   if (robot.state === "disengaged") return { name: "disengaged", tone: "idle", word: "disengaged" };
-  if (robot.assist?.phase === "leading") return { name: "led", tone: "holding", word: "assist leads" };
+  if (robot.assist?.phase === "leading") return { name: "led", tone: "holding", word: "engaged", second: "the assist leads" };
   const limit = limitOf(robot.code);
-  if (limit !== null) return { name: "limited", tone: "holding", word: limit };
-  if (behindWords(robot)) return { name: "behind", tone: "holding", word: "behind" };
+  if (limit !== null) return { name: "limited", tone: "holding", word: "engaged", second: limitWords(limit), limit };
+  if (behindWords(robot)) return { name: "behind", tone: "holding", word: "engaged", second: "behind the hand" };
   return { name: "engaged", tone: "engaged", word: "engaged" };
 }
 
@@ -77,9 +79,10 @@ function lockWords(settings) {
   return locked.length > 0 ? `locked: ${locked.join(", ")}` : "";
 }
 
-function sentenceOf(robot, settings, unanswered) {
+/** Why it is so: what the arm's own causes are. What is wrong with a picture stands on the picture. */
+function sentenceOf({ robot, settings, unanswered, clock }) {
   const before = unanswered === null ? [] : [`the remote site has started again, and knows nothing of this any more: ${unanswered}`];
   const missing = robot.state === "disengaged" && robot.readiness.reason !== robot.reason ? [robot.readiness.reason] : [];
   const following = robot.state === "engaged" ? [behindWords(robot), lockWords(settings)] : [];
-  return [...before, robot.reason, ...following, ...missing, ...troubles(robot)].filter(Boolean).join(" · ");
+  return [...before, robot.reason, ...following, ...missing, handTrouble(robot, clock)].filter(Boolean).join(" · ");
 }

@@ -1,5 +1,6 @@
 // The ghost: the commanded arm, drawn over the picture of a calibrated camera; pure but for the drawing.
 import { frames, fromPose, inverse, origin } from "./kinematics.js";
+import { growth } from "./letters.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
 import { sized, within } from "./surface.js";
 
@@ -25,7 +26,7 @@ export class Ghost {
     within(this.#context, this.#camera, { width, height }, () => {
       for (const [tone, thick] of STROKES) {
         this.#context.strokeStyle = tone;
-        this.#context.lineWidth = thick;
+        this.#context.lineWidth = thick * growth();
         this.#context.lineCap = this.#context.lineJoin = "round";
         for (const line of lines) this.#line(line);
       }

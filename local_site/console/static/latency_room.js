@@ -1,4 +1,5 @@
 // Latencies: a graph of the last minute, the figures beside it, and the stages of one sample.
+import { letter } from "./letters.js";
 import { sized, tones } from "./surface.js";
 import { put } from "./words.js";
 
@@ -75,7 +76,7 @@ export class LatencyRoom {
     this.#scale(width, height, most, tone);
     for (const [name, [, colour]] of Object.entries(INTERVALS)) {
       this.#line(this.#points.get(name), ([t, value]) => [
-        width * (1 - (nowMs - t) / MINUTE_MS), height - 2 - Math.min(1, value / most) * (height - 14),
+        width * (1 - (nowMs - t) / MINUTE_MS), height - 2 - Math.min(1, value / most) * (height - letter()),
       ], tone[colour]);
     }
   }
@@ -84,9 +85,10 @@ export class LatencyRoom {
     this.#context.fillStyle = tone.faint;
     this.#context.strokeStyle = tone.edge;
     this.#context.lineWidth = 1;
-    this.#context.font = "12px sans-serif";
-    this.#context.fillText(`${most} ms`, 2, 10);
-    this.#context.strokeRect(0.5, 11.5, width - 1, height - 12);
+    this.#context.font = `${0.86 * letter()}px sans-serif`;
+    const top = Math.round(letter());
+    this.#context.fillText(`${most} ms`, 2, top - 3);
+    this.#context.strokeRect(0.5, top - 0.5, width - 1, height - top);
   }
 
   #line(points, toCanvas, tone) {

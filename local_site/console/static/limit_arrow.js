@@ -1,10 +1,11 @@
 // An arrow from the tool to where the hand pushes against a limit, with the limit's name; on pictures and in the 3D view.
 import { distance } from "./kinematics.js";
+import { letter } from "./letters.js";
 
 const LONG_M = 0.09;
 const LEAST_PUSH_M = 0.004; // a limit of the orientation alone has no direction
-const HEAD_PX = 13;
-const TONES = [["#000000c0", 9], ["#f5b935", 5]];
+const HEAD = 0.93; // in letters, as the widths below
+const TONES = [["#000000c0", 0.64], ["#f5b935", 0.36]];
 
 /** Draw the push against a limit; `project` gives the canvas's pixel of a point in the base's frame, null where it is not seen. */
 export function drawPush(context, project, tool, wanted, name) {
@@ -24,11 +25,12 @@ function pushOf(tool, wanted) {
 
 function drawArrow(context, from, to) {
   const angle = Math.atan2(to[1] - from[1], to[0] - from[0]);
-  const barb = (turn) => [to[0] - HEAD_PX * Math.cos(angle + turn), to[1] - HEAD_PX * Math.sin(angle + turn)];
+  const head = HEAD * letter();
+  const barb = (turn) => [to[0] - head * Math.cos(angle + turn), to[1] - head * Math.sin(angle + turn)];
   context.lineCap = context.lineJoin = "round";
   for (const [tone, width] of TONES) {
     context.strokeStyle = tone;
-    context.lineWidth = width;
+    context.lineWidth = width * letter();
     context.beginPath();
     context.moveTo(...from);
     context.lineTo(...to);
@@ -40,16 +42,17 @@ function drawArrow(context, from, to) {
 }
 
 function drawName(context, [x, y], name) {
+  const em = letter();
   context.textAlign = "left";
   context.textBaseline = "alphabetic";
-  context.font = "600 14px 'DejaVu Sans', system-ui, sans-serif";
+  context.font = `600 ${em}px "DejaVu Sans", system-ui, sans-serif`;
   const { width } = context.measureText(name);
-  const isRight = x + width + 24 > context.canvas.clientWidth;
-  const left = isRight ? x - width - 20 : x + 12;
+  const isRight = x + width + 1.7 * em > context.canvas.clientWidth;
+  const left = Math.max(0.5 * em, isRight ? x - width - 1.4 * em : x + 0.85 * em);
   context.fillStyle = "#000000c0";
   context.beginPath();
-  context.roundRect(left - 5, y - 22, width + 10, 20, 4);
+  context.roundRect(left - 0.35 * em, y - 1.57 * em, width + 0.7 * em, 1.43 * em, 4);
   context.fill();
   context.fillStyle = "#ffd479";
-  context.fillText(name, left, y - 7);
+  context.fillText(name, left, y - 0.5 * em);
 }

@@ -1,4 +1,4 @@
-// The limits that keep the arm from doing what the hand does: the code of each with its short name; pure.
+// The limits that keep the arm from doing what the hand does: the code of each, its short name, and the words for it; pure.
 const LIMITS = {
   saturated: "leash",
   out_of_reach: "reach",
@@ -16,6 +16,21 @@ const LIMITS = {
   jerk: "speed limit",
   no_trajectory: "no way there",
 };
+
+const WORDS = {
+  leash: "at the end of its leash",
+  reach: "at its reach",
+  "joint limit": "at a joint limit",
+  "posture limit": "at a posture limit",
+  singular: "near a singular posture",
+  obstacle: "at an obstacle",
+  workspace: "at the workspace's edge",
+  "speed limit": "at its speed limit",
+  "no way there": "no way there",
+};
+
+/** Where an arm is that this limit holds back. */
+export const limitWords = (name) => WORDS[name] ?? "at a limit";
 
 /** The name of the limit that a state's code is of; null while the arm follows the hand. */
 export function limitOf(code) {

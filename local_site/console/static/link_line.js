@@ -1,6 +1,8 @@
 // The way of the hand samples in figures, and what is wrong with the links, as the remote site measures both.
 import { put } from "./words.js";
 
+const ONE_CLOCK_MS = 1;
+
 export class LinkLine {
   #figures = document.getElementById("link");
 
@@ -15,9 +17,21 @@ function limit({ age_limit_ms: ageMs, speed_scale: speed }) {
   return `obeyed up to ${Math.round(ageMs)} ms, at ${Math.round(100 * speed)} % of the speed`;
 }
 
-/** The sentences of what is wrong with the links, none while nothing is. */
-export function troubles({ hand_link: hand, video_link: video }) {
-  return [hand?.reason, video?.reason].filter((sentence) => sentence);
+/** Both sites are one machine where their clocks, which count from its start, are one: no link between them is narrow. */
+export const isOneMachine = ({ offset_ms: offsetMs }) => offsetMs !== null && Math.abs(offsetMs) < ONE_CLOCK_MS;
+
+/** The sentence of what is wrong with the way of the hand samples, empty while nothing is. */
+export function handTrouble({ hand_link: hand, age_limit_ms: limitMs }, clock) {
+  if (!hand?.reason) return "";
+  if (!isOneMachine(clock) || hand.age_ms === null) return hand.reason;
+  return `hand samples are ${Math.round(hand.age_ms)} ms old (limit ${Math.round(limitMs)} ms): this machine has too much to do`;
+}
+
+/** The same of the pictures, for the picture itself. */
+export function pictureTrouble({ video_link: video }, clock) {
+  if (!video) return "";
+  const why = isOneMachine(clock) ? "this machine has too much to do" : "the link is too narrow, or a machine has too much to do";
+  return `smaller or fewer pictures: ${why} (${video.carries_mbit_s.toFixed(1)} of ${video.needs_mbit_s.toFixed(0)} Mbit/s)`;
 }
 
 function figures({ age_ms: age, network_ms: network, clock_ms: clock, tracking_ms: tracking, ...link }) {

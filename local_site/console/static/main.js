@@ -9,8 +9,10 @@ import { EventList } from "./event_list.js";
 import { HoldKey } from "./hold_key.js";
 import { JointMarks } from "./joint_marks.js";
 import { LatencyRoom } from "./latency_room.js";
-import { LinkLine } from "./link_line.js";
+import { measureLetters } from "./letters.js";
+import { LinkLine, pictureTrouble } from "./link_line.js";
 import { RecordingRow } from "./recording_row.js";
+import { RememberedToggle } from "./remembered_toggle.js";
 import { ReplayBar } from "./replay_bar.js";
 import { ServerClock } from "./server_clock.js";
 import { StateBar } from "./state_bar.js";
@@ -50,6 +52,12 @@ const delay = new DelayPanel(clock, (scale) => controls.steer({ scale }));
 const replay = new ReplayBar(connection, alert, () => views.forget());
 const joints = new JointMarks(connection, views.ofOperator);
 new Theme(() => arm.repaint());
+new RememberedToggle("type", "l", false, (isLarge) => {
+  document.documentElement.dataset.type = isLarge ? "large" : "usual";
+  measureLetters();
+  views.arrange();
+  arm.repaint();
+});
 
 let tools = NO_TOOLS;
 let toolsMs = -Infinity;
@@ -86,11 +94,12 @@ const handlers = {
     mark(document.body, "data-connected", true);
     const condition = bar.show(message);
     arm.show(message.robot);
-    const limit = condition.name === "limited" ? condition.word : null;
+    const limit = condition.limit ?? null;
     arm.hinder(limit);
     views.hinder(limit);
     views.haunt(message.robot);
     views.offer(message.robot);
+    views.sayWhatIsMissing(message.hand, replay.isShown);
     if (!replay.isShown) operate(message, condition);
     if (performance.now() - figuresMs >= READ_MS) showFigures(message);
   },
@@ -119,7 +128,6 @@ function operate(situation, condition) {
   steps.show(condition, situation, { ...controls.facts, down: hold.down, blind: views.isBlind });
   assist.show(situation.robot, controls.operates);
   recording.show(situation.robot, situation.own_recording, controls.operates);
-  views.showWhyNoPreview(situation.hand);
 }
 
 function showFigures(situation) {
@@ -127,6 +135,7 @@ function showFigures(situation) {
   events.show(situation);
   latency.show(situation);
   if (replay.isShown) return;
+  views.complain(situation.robot === null || situation.robot.silent ? "" : pictureTrouble(situation.robot, situation.clock));
   delay.show(situation, tools);
   link.show(situation.robot);
 }

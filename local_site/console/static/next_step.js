@@ -18,7 +18,8 @@ const nothing = (words) => ({ next: null, minor: [], words });
  */
 export function stepOf(condition, situation, { operates, mayOperate, ...facts }) {
   const { robot, seat } = situation;
-  if (robot === null || robot.silent) return nothing("Nothing can be done here until the remote site answers. If the arm moves, use the emergency stop.");
+  if (robot === null) return nothing("Start the robot's side: farhand remote, on its host. If the arm moves, use the emergency stop.");
+  if (robot.silent) return nothing("Nothing can be done here until the remote site answers. If the arm moves, use the emergency stop.");
   if (!operates) return watching(seat, mayOperate);
   const step = { ...operating(condition, situation, facts) };
   if (facts.blind) step.words = `No live picture of the cell. ${step.words}`;
@@ -35,7 +36,7 @@ function watching(seat, mayOperate) {
 function operating(condition, { robot, hand, seat }, { held, act, down }) {
   if (condition.name === "fault" || condition.name === "stopped") return { next: "reset", minor: [], words: "When the cause is gone, reset." };
   if (condition.name === "other") return { next: "lease-button", minor: [], words: "Ask whoever operates to hand over." };
-  if (act?.action === "take" && (hand === null || hand.silent)) return nothing("The local site is silent: start it (farhand local).");
+  if (act?.action === "take" && (hand === null || hand.silent)) return nothing("The local site is silent. On this host, type: farhand local");
   if (act?.action === "take") return { next: "lease-button", minor: [], words: "No operator has the robot: take it." };
   if (seat.late) return { next: held ? "hold" : null, minor: ["disengage"], words: "This page's reports come late: close other programs here, then let go and begin again." };
   const handOver = act === null ? [] : ["lease-button"];
@@ -46,18 +47,17 @@ function operating(condition, { robot, hand, seat }, { held, act, down }) {
   return { ...running, next: held ? "hold" : null, words: followingWords(condition, held) };
 }
 
-function followingWords({ name, word }, held) {
-  if (name === "limited") return limitWords(word);
+function followingWords({ name, limit }, held) {
+  if (name === "limited") return backWords(limit);
   if (name === "behind") return "The tool is behind your hand: move slowly, or turn it back.";
-  if (name === "led") return "The tool moves by itself while you hold A.";
+  if (name === "led") return "The tool moves by itself while you hold Assist.";
   return held ? "Keep it held: the arm follows your hand." : "Move your hand: the arm follows.";
 }
 
 /** Only a place pushes back from a direction: the rest has no arrow. */
-function limitWords(word) {
-  if (word === "speed limit") return "At the arm's speed limit: move more slowly.";
-  const back = ["workspace", "obstacle", "reach", "leash"].includes(word) ? "move your hand back, against the arrow" : "turn or move your hand back";
-  return `At a limit (${word}): ${back}.`;
+function backWords(limit) {
+  if (limit === "speed limit") return "Move your hand more slowly.";
+  return ["workspace", "obstacle", "reach", "leash"].includes(limit) ? "Move your hand back, against the arrow." : "Turn or move your hand back.";
 }
 
 function disengaged({ readiness, code }, held, minor, down) {

@@ -1,5 +1,7 @@
 // Lines, discs and areas on a canvas, given as points in the base's frame (m).
-const FONT = '700 13px "DejaVu Sans", system-ui, sans-serif';
+import { letter } from "./letters.js";
+
+const FONT = 'px "DejaVu Sans", system-ui, sans-serif';
 
 export class Pen {
   /** `sight` projects, and knows the canvas's shorter side in pixels (`orbit.js`). */
@@ -38,7 +40,7 @@ export class Pen {
   text(point, words, tone, under) {
     const seen = this.project(point);
     if (seen === null) return;
-    this.context.font = FONT;
+    this.context.font = `700 ${0.93 * letter()}${FONT}`;
     this.context.textAlign = "center";
     this.context.textBaseline = "middle";
     this.context.lineJoin = "round";

@@ -1,6 +1,6 @@
 // The mark that something is recorded, for everybody to see, and what the operator asks of the recorder.
 import { pressByKey } from "./keys.js";
-import { mark, put } from "./words.js";
+import { clockWords, mark, put } from "./words.js";
 
 const KEYS = { p: "episode", s: "success", f: "failure" };
 const element = (id) => document.getElementById(id);
@@ -75,16 +75,26 @@ export class RecordingRow {
   }
 }
 
+/** What is recorded, for how long and how much: of several recorders the longest time, and what all have written. */
 function markWords(writing) {
-  const words = writing.some((one) => one.operator_pictures) ? ["REC, with the operator's pictures"] : ["REC"];
+  if (writing.length === 0) return "";
+  const words = [writing.some((one) => one.operator_pictures) ? "REC, with the operator's pictures" : "REC"];
+  words[0] += ` ${clockWords(Math.max(...writing.map((one) => one.seconds)))}`;
+  words.push(sizeWords(writing.reduce((sum, one) => sum + one.size_bytes, 0)));
+  const [{ episode, episode_open: isOpen, episode_seconds: seconds }] = writing;
+  if (isOpen) words.push(`episode ${episode} ${clockWords(seconds)}`);
   const lost = writing.reduce((sum, one) => sum + one.lost, 0);
   if (lost > 0) words.push(`${lost} lost`);
   return words.join(" · ");
 }
 
-function episodeWords({ episode, episode_open, task, outcome }) {
+function sizeWords(bytes) {
+  return bytes < 1e9 ? `${Math.round(bytes / 1e6)} MB` : `${(bytes / 1e9).toFixed(1)} GB`;
+}
+
+function episodeWords({ episode, episode_open, episode_seconds: seconds, task, outcome }) {
   if (episode === 0) return task === "" ? "no episode yet" : `no episode yet: ${task}`;
-  const words = [`episode ${episode}${episode_open ? "" : " has ended"}`];
+  const words = [`episode ${episode}${episode_open ? "" : " has ended"}`, clockWords(seconds)];
   if (task !== "") words.push(task);
   if (outcome !== "unknown") words.push(outcome);
   return words.join(" · ");

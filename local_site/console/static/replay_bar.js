@@ -1,5 +1,4 @@
-// The bar of a replay: play, pause, speed, a timeline, and the events to jump to; and the mark that nothing here is live.
-import { pressByKey } from "./keys.js";
+// The bar of a replay: play, pause, speed, a timeline with a mark for each event, and the list of them to jump to; and the mark that nothing here is live.
 import { put } from "./words.js";
 
 const MOVED_MS = 400; // after the slider's last change
@@ -23,8 +22,7 @@ export class ReplayBar {
     element("play").addEventListener("click", () => this.#toggle());
     element("speed").addEventListener("change", () => this.#send({ speed: Number(element("speed").value) }));
     element("timeline").addEventListener("input", () => this.#drag());
-    pressByKey({ k: element("play") });
-    addEventListener("keydown", (event) => this.#key(event));
+    addEventListener("keydown", (event) => this.#key(event), { capture: true }); // before the key that is held on a live page
   }
 
   /** Whether the page shows a recording. */
@@ -41,6 +39,7 @@ export class ReplayBar {
     put(element("replay-name"), `${replay.name}, recorded ${replay.began}`);
     this.#duration = replay.duration_s;
     element("timeline").max = replay.duration_s;
+    element("ticks").replaceChildren(...replay.events.map((event) => tickAt(event, replay.duration_s)));
     element("jumps").replaceChildren(...replay.events.map((event) => this.#jumpTo(event)));
   }
 
@@ -49,10 +48,10 @@ export class ReplayBar {
     else this.#alert.clear("replay");
     this.#running = running;
     this.#position = position;
-    put(element("play"), running ? "Pause" : "Play");
-    put(element("position"), `${clockWords(position)} / ${clockWords(this.#duration)}`);
+    put(element("play-word"), running ? "Pause" : "Play");
+    put(element("position"), `${tenthsWords(position)} / ${tenthsWords(this.#duration)}`);
     if (performance.now() - this.#movedMs > MOVED_MS) element("timeline").value = position;
-    element("timeline").setAttribute("aria-valuetext", clockWords(position));
+    element("timeline").setAttribute("aria-valuetext", tenthsWords(position));
     if (document.activeElement !== element("speed")) element("speed").value = String(speed);
     if (jumps !== this.#jumps) this.#onJump();
     this.#jumps = jumps;
@@ -62,7 +61,7 @@ export class ReplayBar {
     const [item, button] = [document.createElement("li"), document.createElement("button")];
     button.type = "button";
     button.dataset.kind = event.kind;
-    button.textContent = `${clockWords(event.at_s)} ${event.words}`;
+    button.textContent = `${tenthsWords(event.at_s)} ${event.words}`;
     button.addEventListener("click", () => {
       this.#send({ position_s: event.at_s });
       element("jump-list").open = false;
@@ -82,6 +81,7 @@ export class ReplayBar {
 
   #key(event) {
     if (!this.isShown || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.code === "Space" && !event.repeat) this.#toggle();
     if (event.target.tagName === "SELECT") return;
     const steps = { ArrowLeft: -STEP_S, ArrowRight: STEP_S };
     if (!(event.key in steps)) return;
@@ -94,8 +94,17 @@ export class ReplayBar {
   }
 }
 
+/** A mark on the timeline where something happened. */
+function tickAt({ at_s: at, kind, words }, duration) {
+  const tick = document.createElement("span");
+  tick.dataset.kind = kind;
+  tick.title = words;
+  tick.style.setProperty("--at", duration > 0 ? Math.min(1, Math.max(0, at / duration)) : 0);
+  return tick;
+}
+
 /** Minutes, seconds and tenths, as on a clock. */
-function clockWords(seconds) {
+function tenthsWords(seconds) {
   const tenths = Math.floor(seconds * 10);
   const [minutes, rest] = [Math.floor(tenths / 600), tenths % 600];
   return `${minutes}:${String(Math.floor(rest / 10)).padStart(2, "0")}.${rest % 10}`;

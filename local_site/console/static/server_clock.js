@@ -19,6 +19,11 @@ export class ServerClock {
     return this.#replayed !== null;
   }
 
+  /** Whether the recording is paused. */
+  get isStanding() {
+    return this.#replayed?.speed === 0;
+  }
+
   /** How long this host was suspended so far, in ms: the page's own clock, and the console's, stand still then. Read it often. */
   get suspendedMs() {
     const apartMs = Date.now() - performance.now();

@@ -8,13 +8,14 @@ const SILENT_MS = 500;
 export class StateBar {
   #state = document.getElementById("state");
   #word = document.getElementById("state-word");
+  #second = document.getElementById("state-second");
   #reason = document.getElementById("reason");
   #cell = document.getElementById("cell");
   #steady = new Steady();
   #receivedMs = null;
   #connected = false;
   #said = saidOf(false);
-  #operator = "";
+  #whose = { operator: "", remote: "" };
   #changed;
 
   /** `changed` is called with each other condition that is shown. */
@@ -22,9 +23,9 @@ export class StateBar {
     this.#changed = changed;
   }
 
-  hello({ replay, operator }) {
+  hello({ replay, operator, remote }) {
     this.#said = saidOf(replay !== null);
-    this.#operator = operator;
+    this.#whose = { operator, remote };
   }
 
   describe({ cell, robot, driver }) {
@@ -42,10 +43,10 @@ export class StateBar {
   }
 
   /** Show the newest state; the condition that is shown for it. */
-  show({ robot, settings, unanswered }) {
+  show(situation) {
     this.#connected = true;
     this.#receivedMs = performance.now();
-    return this.#show(conditionOf(robot, settings, unanswered, this.#operator, this.#said));
+    return this.#show(conditionOf(situation, this.#whose, this.#said));
   }
 
   #show(newest) {
@@ -54,6 +55,7 @@ export class StateBar {
     mark(this.#state, "data-state", condition.name);
     mark(document.body, "data-tone", condition.tone);
     put(this.#word, condition.word);
+    put(this.#second, condition.second ?? "");
     put(this.#reason, condition.sentence);
     mark(this.#reason, "title", condition.sentence); // two lines may not hold it all
     return condition;

@@ -3,6 +3,7 @@ import { stepOf } from "./next_step.js";
 import { mark, put } from "./words.js";
 
 const NAMES = ["seat-button", "lease-button", "hold", "engage", "disengage", "reset", "clutch", "origins"];
+const LONG = 60; // letters: more are written smaller where they have a button's place
 
 export class Steps {
   #words = document.getElementById("step-words");
@@ -23,6 +24,7 @@ export class Steps {
 
   #set({ next, waits = false, minor, words }) {
     put(this.#words, words);
+    mark(this.#words, "data-long", words.length > LONG);
     for (const button of this.#buttons) {
       const rank = button.id === next ? "next" : minor.includes(button.id) ? "minor" : "absent";
       mark(button, "data-rank", rank);

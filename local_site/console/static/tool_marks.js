@@ -1,12 +1,13 @@
 // The tool over a calibrated camera's picture: a ring where it was measured, a cross where it has been sent.
 import { fromPose, inverse, origin } from "./kinematics.js";
+import { growth, letter } from "./letters.js";
 import { drawPush } from "./limit_arrow.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
 import { sized, within } from "./surface.js";
 
 const AHEAD_M = 0.06; // how much of the tool's axis is drawn
-const RING_PX = 9;
-const CROSS_PX = [5, 17]; // its arms begin and end beside the ring, so that each shows when both are at one place
+const RING = 0.64; // in letters
+const CROSS = [0.36, 1.2]; // its arms begin and end beside the ring, so that each shows when both are at one place
 const DARK = "#000000b0";
 const TONES = { measured: "#76bbff", sent: "#ffd479", between: "#ffffff" };
 
@@ -51,9 +52,9 @@ export class ToolMarks {
     this.#stroke([ahead], TONES.measured, 2);
     for (const [tone, thick] of [[DARK, 5], [TONES.measured, 2.5]]) {
       this.#context.strokeStyle = tone;
-      this.#context.lineWidth = thick;
+      this.#context.lineWidth = thick * growth();
       this.#context.beginPath();
-      this.#context.arc(x, y, RING_PX, 0, 2 * Math.PI);
+      this.#context.arc(x, y, RING * letter(), 0, 2 * Math.PI);
       this.#context.stroke();
     }
   }
@@ -62,7 +63,7 @@ export class ToolMarks {
     this.#context.setLineDash([4, 4]);
     this.#stroke([ahead], TONES.sent, 2);
     this.#context.setLineDash([]);
-    const [near, far] = CROSS_PX;
+    const [near, far] = CROSS.map((letters) => letters * letter());
     const arms = [[1, 0], [-1, 0], [0, 1], [0, -1]];
     this.#stroke(arms.map(([u, v]) => [[x + near * u, y + near * v], [x + far * u, y + far * v]]), TONES.sent, 2.5);
   }
@@ -72,7 +73,7 @@ export class ToolMarks {
     this.#context.lineCap = "round";
     for (const [colour, width] of [[DARK, thick + 2.5], [tone, thick]]) {
       this.#context.strokeStyle = colour;
-      this.#context.lineWidth = width;
+      this.#context.lineWidth = width * growth();
       this.#context.beginPath();
       for (const [from, to] of lines) {
         this.#context.moveTo(...from);

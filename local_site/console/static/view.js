@@ -1,36 +1,33 @@
 // One view: its canvas, painted with the newest picture, and the mark of how current it is.
-import { AssistMarks } from "./assist_marks.js";
 import { ageWords, judge } from "./freshness.js";
-import { Ghost } from "./ghost.js";
 import { decodedJpeg } from "./jpeg.js";
 import { parsePicture } from "./picture.js";
 import { PictureCanvas } from "./picture_canvas.js";
-import { ToolMarks } from "./tool_marks.js";
+import { ViewLabels } from "./view_labels.js";
+import { ViewOverlays } from "./view_overlays.js";
 import { READ_MS, mark as setMark, put } from "./words.js";
 
 const SECOND_MS = 1000;
 const NO_H264 = "this browser cannot decode H.264, which the operator's link needs; open the page in another";
 const SHOWING = ["live", "slow"]; // what a camera's picture shows the cell as
 const CALM_MS = 600; // without a late picture, until none is marked
+const SAME_SHAPE = 0.02; // a picture that is sent smaller has whole pixels only
 const USELESS_MS = 1000; // an older picture is darkened, a younger one only marked with its age
 
 export class View {
   why = "";
+  onShape = () => {};
+  aspect = 4 / 3;
   #clock;
   #h264;
   #isOfOperator;
   #isMissed = false;
   #canvas = new PictureCanvas();
-  #fresh = document.createElement("span");
+  #labels = new ViewLabels();
   #mark = document.createElement("div");
   #title = document.createElement("b");
   #words = document.createElement("span");
-  #overlay = document.createElement("canvas");
-  #ghost = null;
-  #toolCanvas = document.createElement("canvas");
-  #tools = null;
-  #assistCanvas = document.createElement("canvas");
-  #assist = null;
+  #overlays = new ViewOverlays();
   #isFresh = false;
   #lateMs = -Infinity;
   #agedMs = -Infinity;
@@ -46,15 +43,25 @@ export class View {
     this.element = document.createElement("button");
     this.element.type = "button";
     this.element.className = "view";
-    this.element.dataset.name = name;
-    const label = document.createElement("span");
-    label.className = "name";
-    label.textContent = `${key ?? ""} ${name.replaceAll("_", " ")}`.trim();
-    this.#fresh.className = "fresh";
+    this.element.dataset.name = this.name = name;
+    this.#labels.call(key, name);
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
-    this.element.append(this.#canvas.element, this.#overlay, this.#toolCanvas, this.#assistCanvas, this.#mark, label, this.#fresh);
+    this.element.append(this.#canvas.element, ...this.#overlays.canvases, this.#mark, ...this.#labels.elements);
     this.refresh();
+  }
+
+  /** The pictures have this shape now: whoever lays them out is told when it is another one. */
+  #shape(width, height) {
+    const aspect = width / height;
+    if (Math.abs(aspect - this.aspect) < SAME_SHAPE * aspect) return;
+    this.aspect = aspect;
+    this.onShape();
+  }
+
+  /** Whether anything was heard of it. */
+  get isKnown() {
+    return this.#header !== null;
   }
 
   get picture() {
@@ -62,35 +69,36 @@ export class View {
   }
 
   get overlay() {
-    return this.#overlay;
+    return this.#overlays.canvases[0];
   }
 
   /** The ghost and the tool are drawn over a calibrated camera's picture; its full picture has this size. */
-  describe(camera) {
-    this.#ghost = camera.calibration === null ? null : new Ghost(this.#overlay, camera);
-    this.#tools = camera.calibration === null ? null : new ToolMarks(this.#toolCanvas, camera);
-    this.#assist = camera.calibration === null ? null : new AssistMarks(this.#assistCanvas, camera);
+  describe(camera, key) {
+    this.#labels.call(key, this.name);
+    if (this.#newest === null) this.#shape(camera.width, camera.height);
+    this.#overlays.describe(camera);
   }
 
   /** Draw the tool over a picture that is not useless, late as it may be; `path` is where the tool was measured. */
   markTools(tools, path) {
-    if (this.#tools === null) return;
-    if (tools !== null && this.isUseful) this.#tools.draw(tools, path.at(this.#newest.captureMs));
-    else this.#tools.clear();
+    const isSeen = tools !== null && this.isUseful;
+    this.#overlays.markTools(isSeen ? tools : null, isSeen ? path.at(this.#newest.captureMs) : null);
   }
 
   /** Draw what the assist offers over a picture that is young enough to be compared with it, or nothing. */
   offer(assist, path) {
-    if (this.#assist === null) return;
-    if (assist !== null && this.#isFresh) this.#assist.draw(assist, path.at(this.#newest.captureMs));
-    else this.#assist.clear();
+    const isSeen = assist !== null && this.#isFresh;
+    this.#overlays.offer(isSeen ? assist : null, isSeen ? path.at(this.#newest.captureMs) : null);
   }
 
-  /** Draw the commanded arm over a picture that is young enough to be compared with it, or nothing. */
+  /** Say what is wrong with all pictures, on this one; empty words say nothing. */
+  complain(words) {
+    this.#labels.complain(words);
+  }
+
+  /** Draw the commanded arm over a picture that is young enough to be compared with it, and say so, or nothing. */
   haunt(cell, robot) {
-    if (this.#ghost === null) return;
-    if (robot !== null && this.#isFresh) this.#ghost.draw(cell, robot);
-    else this.#ghost.clear();
+    this.#labels.explain(this.#overlays.haunt(cell, this.#isFresh ? robot : null));
   }
 
   /** Take a message of this view; resolves when it is painted or skipped, to false where a key frame is needed. */
@@ -126,6 +134,7 @@ export class View {
 
   #paint(picture, header) {
     this.#canvas.paint(picture);
+    this.#shape(picture.displayWidth ?? picture.width, picture.displayHeight ?? picture.height);
     const nowMs = this.#clock.now();
     const ageMs = nowMs === null || header.capture_ms === null ? null : nowMs - header.capture_ms;
     this.#newest = { seq: header.seq, captureMs: header.capture_ms, unsureMs: header.unsure_ms ?? 0, ageMs, suspendedMs: this.#clock.suspendedMs };
@@ -150,7 +159,8 @@ export class View {
       this.#agedMs = nowMs;
       put(this.#title, title);
       const word = mark === "live" || (isOld && !isLate) ? title : mark;
-      put(this.#fresh, ageMs === null ? title : `${word} ${ageWords(ageMs)} ${this.#fps()} fps`);
+      const isKnown = ageMs !== null;
+      this.#labels.tell(isKnown ? `${word} ${ageWords(ageMs)}` : title, isKnown && !this.#clock.isStanding ? ` ${this.#fps()} fps` : "");
     }
     setMark(this.element, "data-mark", mark);
     setMark(this.element, "data-useless", ageMs === null || ageMs > USELESS_MS);

@@ -1,62 +1,63 @@
-// All views: four of the cell, each enlarged by a click or its number, and those of the operator below.
+// All views: those of the cell, with what is drawn over them, and those of the operator.
 import { H264Decoder } from "./h264_decoder.js";
-import { canPress, isPlain, pressByKey } from "./keys.js";
+import { NoViews } from "./no_views.js";
 import { parsePicture } from "./picture.js";
+import { PictureRoom } from "./picture_room.js";
+import { RememberedToggle } from "./remembered_toggle.js";
 import { ToolPath } from "./tool_path.js";
 import { View } from "./view.js";
 
+const CAMERA = "camera/";
 const PREVIEWS = ["left", "right"];
-const SMALL_IN_A_ROW = 5;
 
 export class Views {
   #clock;
   #send;
   #h264 = new H264Decoder();
-  #cameras = document.getElementById("cameras");
-  #previews = document.getElementById("previews");
+  #room = new PictureRoom();
+  #noViews = new NoViews();
   #views = new Map();
   #cell = null;
   #robot = null;
   #asked = null;
-  #haunted = true;
   #offered = null;
   #tools = { measured: null, sent: null, wanted: null };
   #limit = null;
-  #marked = true;
   #isCalibrated = false;
   #path = new ToolPath();
   #markAsked = null;
-  #marksButton = document.getElementById("marks");
   #received = new Set();
-  #ghostButton = document.getElementById("ghost");
+  #ghost = new RememberedToggle("ghost", "g", true, () => this.#draw());
+  #marks = new RememberedToggle("marks", "t", true, () => this.markTools(this.#tools));
 
   constructor(clock, send) {
     this.#clock = clock;
     this.#send = send;
-    for (const name of PREVIEWS) this.#add(this.#previews, `preview/${name}`, `operator ${name}`, null);
-    this.#ghostButton.addEventListener("click", () => this.#toggleGhost());
-    this.#marksButton.addEventListener("click", () => this.#toggleMarks());
-    pressByKey({ g: this.#ghostButton, t: this.#marksButton });
-    addEventListener("keydown", (event) => this.#key(event));
+    for (const name of PREVIEWS) document.getElementById("previews").append(this.#add(`preview/${name}`, `operator ${name}`, null).element);
   }
 
-  /** Make a view for each camera of the cell that has none yet. */
+  /** Show a view for each camera of the cell, in their order, and none of any other. */
   describe(cell) {
     this.#cell = cell;
-    for (const camera of cell.cameras) {
-      const view = `camera/${camera.name}`;
-      if (!this.#views.has(view)) this.#add(this.#cameras, view, camera.name, this.#cameras.children.length + 1);
-      this.#views.get(view).describe(camera);
-    }
-    this.#cameras.dataset.count = cell.cameras.length;
-    document.documentElement.style.setProperty("--aspect", aspectOf(cell.cameras));
+    const names = cell.cameras.map(({ name }) => CAMERA + name);
+    for (const name of this.#views.keys()) if (name.startsWith(CAMERA) && !names.includes(name)) this.#views.delete(name);
+    cell.cameras.forEach((camera, k) => {
+      const view = this.#views.get(CAMERA + camera.name) ?? this.#add(CAMERA + camera.name, camera.name, k + 1);
+      view.describe(camera, k + 1);
+    });
+    this.#room.show(names.map((name) => this.#views.get(name)));
     this.#isCalibrated = cell.cameras.some((camera) => camera.calibration !== null);
-    this.#marksButton.hidden = this.#ghostButton.hidden = !this.#isCalibrated;
+    document.getElementById("overlays").hidden = !this.#isCalibrated;
+  }
+
+  /** Lay the views out anew: the letters have changed. */
+  arrange() {
+    this.#room.arrange();
   }
 
   /** Draw the commanded arm over the calibrated cameras' pictures. */
   haunt(robot) {
-    this.#robot = this.#haunted && this.#cell !== null && robot !== null && !robot.silent ? robot : null;
+    this.#robot = this.#cell !== null && robot !== null && !robot.silent ? robot : null;
     this.#draw();
   }
 
@@ -71,8 +72,8 @@ export class Views {
     this.#asked ??= requestAnimationFrame(() => {
       this.#asked = null;
       for (const [name, view] of this.#views) {
-        view.haunt(this.#cell, this.#robot);
-        const sees = this.#offered?.target.views.some((camera) => name === `camera/${camera}`);
+        view.haunt(this.#cell, this.#ghost.isOn ? this.#robot : null);
+        const sees = this.#offered?.target.views.some((camera) => name === CAMERA + camera);
         view.offer(sees ? this.#offered : null, this.#path);
       }
     });
@@ -90,7 +91,7 @@ export class Views {
     if (!this.#isCalibrated) return;
     this.#markAsked ??= requestAnimationFrame(() => {
       this.#markAsked = null;
-      for (const view of this.#views.values()) view.markTools(this.#marked ? { ...this.#tools, limit: this.#limit } : null, this.#path);
+      for (const view of this.#views.values()) view.markTools(this.#marks.isOn ? { ...this.#tools, limit: this.#limit } : null, this.#path);
     });
   }
 
@@ -123,11 +124,14 @@ export class Views {
 
   refresh() {
     for (const view of this.#views.values()) view.refresh();
+    const [left, right] = PREVIEWS.map((name) => this.#views.get(`preview/${name}`));
+    right.element.hidden = left.isKnown && !right.isKnown; // one camera has all the room
   }
 
-  /** Whether no view shows the cell. */
+  /** Whether no view shows the cell, of those that should. */
   get isBlind() {
-    return [...this.#views].every(([name, view]) => !name.startsWith("camera/") || !view.isUseful);
+    const ofCell = [...this.#views].filter(([name]) => name.startsWith(CAMERA));
+    return ofCell.length > 0 && !ofCell.some(([, view]) => view.isUseful);
   }
 
   /** Whether this browser decodes H.264; false until it is known. */
@@ -138,56 +142,25 @@ export class Views {
   /** What is shown of the cell, for the console. */
   painted() {
     const shown = [...this.#views].map(([name, view]) => [name, view.painted()]);
-    return Object.fromEntries(shown.filter(([name, painted]) => painted !== null && name.startsWith("camera/")));
+    return Object.fromEntries(shown.filter(([name, painted]) => painted !== null && name.startsWith(CAMERA)));
   }
 
-  showWhyNoPreview(hand) {
+  /** Say what is wrong with the pictures of the cell, on the one that is looked at most; empty where nothing is. */
+  complain(trouble) {
+    for (const [name, view] of this.#views) if (name.startsWith(CAMERA)) view.complain(view === this.#room.main ? trouble : "");
+  }
+
+  /** Say why there are no views of the cell, or none of the operator; `hand` is null in a replay. */
+  sayWhatIsMissing(hand, isReplay) {
     const silent = hand === null || hand.silent;
+    this.#noViews.show(this.#cell === null ? null : this.#cell.cameras.length, !silent, isReplay);
     const why = silent ? "no preview: the local site is silent" : "no preview: the local site sends none";
     for (const name of PREVIEWS) this.#views.get(`preview/${name}`).why = why;
   }
 
-  #add(room, key, label, number) {
+  #add(key, label, number) {
     const view = new View(this.#clock, this.#h264, label, number);
     this.#views.set(key, view);
-    room.append(view.element);
-    if (number !== null) view.element.addEventListener("click", () => this.#enlarge(view.element));
+    return view;
   }
-
-  #key(event) {
-    const chosen = this.#cameras.children[Number.parseInt(event.key, 10) - 1];
-    if (chosen !== undefined && isPlain(event) && canPress(chosen)) this.#enlarge(chosen);
-  }
-
-  #toggleGhost() {
-    this.#haunted = !this.#haunted;
-    this.#ghostButton.setAttribute("aria-pressed", this.#haunted);
-  }
-
-  #toggleMarks() {
-    this.#marked = !this.#marked;
-    this.#marksButton.setAttribute("aria-pressed", this.#marked);
-    this.markTools(this.#tools);
-  }
-
-  #enlarge(chosen) {
-    const enlarging = !chosen.classList.contains("enlarged");
-    for (const view of this.#cameras.children) view.classList.toggle("enlarged", enlarging && view === chosen);
-    [...this.#cameras.children].filter((view) => view !== chosen).forEach(placeSmall);
-    this.#cameras.classList.toggle("enlarging", enlarging);
-  }
-}
-
-/** Where a view lies while another one is enlarged: in rows from the upper right. */
-function placeSmall(view, k) {
-  view.style.setProperty("--column", k % SMALL_IN_A_ROW);
-  view.style.setProperty("--row", Math.floor(k / SMALL_IN_A_ROW));
-}
-
-/** The shape of all views together, two in a row: that of the pictures, which then leave no bars. */
-function aspectOf(cameras) {
-  const { width, height } = cameras[0] ?? { width: 4, height: 3 };
-  const rows = cameras.length === 1 ? 1 : Math.ceil(cameras.length / 2);
-  const columns = cameras.length === 1 ? 1 : 2;
-  return `${(columns * width) / (rows * height)}`;
 }

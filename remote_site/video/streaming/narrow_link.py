@@ -1,4 +1,4 @@
-"""A link too narrow for the pictures, in words: what it carries, what they need, how they are sent instead; pure."""
+"""Pictures that do not all arrive, in words: how much does, what they need, how they are sent instead; pure."""
 
 from collections.abc import Collection
 
@@ -23,9 +23,9 @@ def narrow_link(
     count = NUMBERS[len(settings)] if len(settings) < len(NUMBERS) else str(len(settings))
     views = f"the {count} views need" if len(settings) > 1 else "the view needs"
     reason = (
-        f"the link carries {carries_mbit_s:.1f} Mbit/s of pictures; {views} about {needs_mbit_s:.0f} Mbit/s at "
-        f"{_words(full)}: they are sent at {_words(_least(settings))}. Cure: a wider link, fewer "
-        "programs on a host that is overloaded, lower video.fps or video.quality, or fewer cameras"
+        f"{carries_mbit_s:.1f} Mbit/s of pictures arrive; {views} about {needs_mbit_s:.0f} Mbit/s at "
+        f"{_words(full)}: they are sent at {_words(_least(settings))}. The link is too narrow, or a host overloaded. "
+        "Cure: a wider link, fewer programs on that host, lower video.fps or video.quality, or fewer cameras"
     )
     return VideoLink(carries_mbit_s=carries_mbit_s, needs_mbit_s=needs_mbit_s, reason=reason)
 

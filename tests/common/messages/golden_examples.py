@@ -91,6 +91,9 @@ RECORDING = RecordingState(
     outcome=EpisodeOutcome.UNKNOWN,
     lost=0,
     alarm="",
+    seconds=754.2,
+    size_bytes=1_234_567_890,
+    episode_seconds=41.5,
 )
 SETTINGS = OperatorSettings(
     lease=1311768467463790321, revision=2, scale=0.5, rotation_scale=0.25, locks=Locks(z=True, roll=True)

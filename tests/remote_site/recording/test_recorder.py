@@ -172,6 +172,28 @@ def test_on_request_nothing_is_kept_before_it_is_asked_for_and_after(tmp_path: P
     assert 145 < numbers[-1] <= 150
 
 
+def test_the_state_says_how_long_and_how_much_is_recorded_and_the_episodes_clock(tmp_path: Path) -> None:
+    site = RecordedSite(tmp_path, RecordConfig(episodes=EpisodeBounds.REQUESTS, split_minutes=0.1))
+    site.run(1.0)
+    site.idle(2.0)
+    site.order(RecordAction.BEGIN, task="push")
+    site.idle(4.0)
+    state = site.recorder.state()
+    assert state.seconds == pytest.approx(7.0, abs=0.2)
+    assert state.episode_seconds == pytest.approx(4.0, abs=0.2)
+    before = state.size_bytes
+    assert before == pytest.approx(sum(file.stat().st_size for file in site.files), rel=0.5)
+    site.order(RecordAction.END)
+    site.idle(3.0)  # into the next file
+    assert len(site.files) == 2
+    state = site.recorder.state()
+    assert state.seconds == pytest.approx(10.0, abs=0.3)
+    assert state.episode_seconds == pytest.approx(4.0, abs=0.2)
+    assert state.size_bytes > before
+    site.end()
+    assert (site.recorder.state().seconds, site.recorder.state().size_bytes) == (0.0, 0)
+
+
 def test_what_was_asked_of_one_run_of_the_site_is_not_of_the_next(tmp_path: Path) -> None:
     site = RecordedSite(tmp_path, RecordConfig(start=StartPolicy.ON_REQUEST))
     site.run(0.1)

@@ -25,7 +25,7 @@ from common.messages.video import (
 )
 from remote_site.video import process, sources
 from remote_site.video.config import CameraConfig, VideoConfig
-from remote_site.video.process import LeaseInForce, VideoWire, run_video
+from remote_site.video.process import LeaseInForce, VideoTally, VideoWire, run_video
 from remote_site.video.sources import ThreadedCamera
 from tests.common.cameras.losing_camera import LOST, LosingCamera
 
@@ -80,10 +80,19 @@ def test_four_simulated_views_are_live_until_the_cell_dies():
     assert all(row[3] == 0 and "no new picture" in row[4] for row in frozen)
 
 
-def run_until(config: VideoConfig, enough) -> list:
+def run_until(config: VideoConfig, enough, beat=lambda: None) -> list:
     seen, deadline = [], time.monotonic() + 10
-    run_video(config, None, VideoWire(seen.append), lambda: enough(seen) or time.monotonic() > deadline, lambda: None)
+    run_video(config, None, VideoWire(seen.append), lambda: enough(seen) or time.monotonic() > deadline, beat)
     return seen
+
+
+def test_without_a_camera_the_process_lives_sends_nothing_and_ends_when_asked():
+    beats = []
+    seen = run_until(VideoConfig(cameras=()), lambda _: len(beats) > 3, beat=lambda: beats.append(time.monotonic()))
+    assert seen == []
+    assert 4 <= len(beats) < 100
+    tally = VideoTally(())
+    assert (tally.sentences(), tally.lost.read()) == ({}, {})
 
 
 @pytest.mark.parametrize(("listens", "width"), [(True, 32), (False, 16)])
