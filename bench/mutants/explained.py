@@ -57,6 +57,8 @@ EXPLAINED = {
     "remote_site/drivers/position_arm/threaded_calls.py:_stuck: self._clock.now_ns() - call[1] > STUCK_NS -> "
     "self._clock.now_ns() - call[1] >= STUCK_NS": "a call of exactly 100 ms, to the nanosecond, may count as either",
     "remote_site/drivers/position_arm/threaded_calls.py:_idle_s: 0 -> 1": "it then waits for a nanosecond",
+    "remote_site/drivers/position_arm/written_stop.py:ended: now_ns - self._last_ns > self._longest_ns -> "
+    "now_ns - self._last_ns >= self._longest_ns": "a pause of exactly the longest time may count as either",
     "remote_site/safety/stopping.py:span: 0.0 -> 1.0": "a bound that is wider, and still one",
     "common/mapping/rotation_mapping.py:_update: if self._scale == 1.0: -> if False:": "a shortcut: at a scale of 1 "
     "both ways give the same turn, up to rounding",
@@ -67,6 +69,8 @@ EXPLAINED = {
     "t_ns < born_ns - TAKEN_BACK_NS": "an orientation of exactly 150 ms before, to the nanosecond, may count as either",
     "remote_site/teleop/tool_target.py:_elapsed_s: 0 -> 1": "no target is aimed before the first capture, and a "
     "nanosecond would not move it",
+    "remote_site/teleop/sample_validator.py:__init__: self._jumps = 0 -> pass": "jumps are counted from an accepted "
+    "sample on, which sets it",
     "remote_site/teleop/tool_target.py:_strayed: fraction * way > MOST_M -> fraction * way >= MOST_M": "a way of "
     "exactly 30 mm, to the last bit, may count as either",
 }
