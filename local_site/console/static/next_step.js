@@ -1,13 +1,13 @@
 // The one thing to do next, and what else is possible: for each button next, minor or absent; pure.
 // A button that has to wait keeps its place: one that comes and goes would be missed, or another be hit.
 const CLUTCH = {
-  clutched: "Bring your hand to where it has room, then let go of C to go on.",
-  clutch_unseen: "Nobody saw the clutch let go: press C and let go, to go on.",
+  clutched: "Move your hand to where it has room, let go to go on.",
+  clutch_unseen: "Nobody saw the clutch let go: press it again, let go.",
   clutch_settling: "Keep your hand still: the arm follows in a moment.",
 };
 const BEFORE_CLUTCH = {
-  clutched: "Let go of C first.",
-  clutch_unseen: "Nobody saw the clutch let go: press C and let go first.",
+  clutched: "Let go of the clutch first.",
+  clutch_unseen: "Nobody saw the clutch let go: press it, let go, engage.",
   clutch_settling: "Keep your hand still.",
 };
 const nothing = (words) => ({ next: null, minor: [], words });
