@@ -154,6 +154,7 @@ function disconnected() {
   assist.disconnected();
   recording.disconnected();
   views.offer(null);
+  views.complain("");
   delay.disconnected();
 }
 
