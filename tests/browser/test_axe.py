@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from bench.page.bare_console import BareConsole
 from bench.page.screenshots import STATES
 from tests.browser.told import Told
 
@@ -48,6 +49,17 @@ def test_axe_finds_nothing_without_a_connection(told: Told, axe: str) -> None:
     told.until("a state", lambda: told.page.state() == "engaged")
     told.page.wait_for("silence", lambda: told.page.state() == "no connection" or told.page.state() == "silent")
     assert violations(told, axe) == []
+
+
+def test_axe_finds_nothing_before_anything_was_started_nor_among_the_keys(browser: object, axe: str) -> None:
+    with BareConsole() as console:
+        page = browser.new_context().new_page()  # type: ignore[attr-defined]  # not touched: it is shown the keys
+        page.goto(console.address)
+        page.wait_for_selector("#no-views code")
+        page.evaluate("() => { document.getElementById('keys').open = true; }")
+        page.evaluate(f"() => {{ {axe} }}")
+        assert page.evaluate(RUN) == []
+        page.context.close()
 
 
 def test_axe_would_complain_of_a_button_without_a_name(told: Told, axe: str) -> None:

@@ -34,8 +34,9 @@ def instructed(at_s: float) -> dict[str, Any]:
     said = {"reason": "stopped by anna; reset it, then engage", "readiness": to_do} if at_s < ENGAGED_S else {}
     alarm = msgspec.structs.replace(golden.RECORDING, alarm="recording has ended: free some space, and start it again")
     narrow = VideoLink(carries_mbit_s=3.5, needs_mbit_s=20.0, reason="the link carries 3.5 Mbit/s. Cure: a wider link")
+    late = msgspec.structs.replace(golden.STATE.hand_link, code="samples_old", reason="too old: network 240 ms")
     settings = OperatorSettings(lease=5 if at_s < ENGAGED_S else 6, scale=1.0 if at_s < ENGAGED_S else 0.5)
-    return said | {"recording": alarm, "video_link": narrow, "settings": settings}
+    return said | {"recording": alarm, "video_link": narrow, "hand_link": late, "settings": settings}
 
 
 def test_it_cannot_be_mistaken_for_a_live_page(replay: OpenedPage) -> None:
@@ -134,6 +135,7 @@ def test_what_was_said_is_quoted_and_what_concerns_a_live_cell_alone_is_gone(bro
             jump(page, seconds)
             page.wait_for("the state", lambda: page.state() == state)  # noqa: B023  # called in this round
             page.wait_for("its reason", lambda: page.words("#reason").startswith(told))  # noqa: B023
+            assert page.words("#reason").endswith("too old: network 240 ms")
             assert quotes(page) == ['"then: “"', '"”"']
             assert OF_A_LIVE_CELL.findall(page.page.inner_text("body")) == []
         shown.end()

@@ -17,8 +17,10 @@ function limit({ age_limit_ms: ageMs, speed_scale: speed }) {
   return `obeyed up to ${Math.round(ageMs)} ms, at ${Math.round(100 * speed)} % of the speed`;
 }
 
-/** Both sites are one machine where their clocks, which count from its start, are one: no link between them is narrow. */
-export const isOneMachine = ({ offset_ms: offsetMs }) => offsetMs !== null && Math.abs(offsetMs) < ONE_CLOCK_MS;
+/** Both sites are one machine where their clocks, which count from its start, are one: no link between them is narrow. Of a recording nobody knows. */
+function isOneMachine({ offset_ms: offsetMs, round_trip_ms: roundTripMs }) {
+  return offsetMs !== null && roundTripMs !== null && Math.abs(offsetMs) < ONE_CLOCK_MS;
+}
 
 /** The sentence of what is wrong with the way of the hand samples, empty while nothing is. */
 export function handTrouble({ hand_link: hand, age_limit_ms: limitMs }, clock) {

@@ -156,6 +156,7 @@ function disconnected() {
   assist.disconnected();
   recording.disconnected();
   views.offer(null);
+  views.complain("");
   delay.disconnected();
 }
 

@@ -27,11 +27,11 @@ function transposed({ aspect, boxes }) {
   return { aspect: 1 / aspect, boxes: boxes.map(({ left, top, width, height }) => ({ left: top, top: left, width: height, height: width })) };
 }
 
-/** All mosaics of pictures of these shapes, in their order, the larger ones first: in rows, in columns, and around a first one. */
+/** All mosaics of pictures of these shapes, in their order, the larger ones first: in rows, in columns, and around a first, largest one. */
 export function mosaics(aspects) {
   const pictures = aspects.map(picture);
   if (pictures.length === 1) return pictures;
-  return [...inLines(pictures), ...around(pictures)];
+  return [...inLines(pictures), ...around(pictures).filter((mosaic) => isFirstLargest(mosaic, 1.01))];
 }
 
 /** All mosaics whose first picture is larger than each of the others, which lie beside it, below it, or both. */
@@ -39,7 +39,12 @@ export function mosaicsAround(aspects) {
   const [first, ...others] = aspects.map(picture);
   if (others.length === 0) return [first];
   const found = inLines(others).flatMap((rest) => [beside(first, rest), below(first, rest)]);
-  return [...found, ...around([first, ...others])].filter(({ boxes }) => boxes.slice(1).every((box) => area(box) < 0.9 * area(boxes[0])));
+  return [...found, ...around([first, ...others])].filter((mosaic) => isFirstLargest(mosaic, 0.9));
+}
+
+/** Whether no other picture is larger than this share of the first. */
+function isFirstLargest({ boxes: [first, ...others] }, share) {
+  return others.every((box) => area(box) < share * area(first));
 }
 
 export const area = ({ width, height }) => width * height;
