@@ -53,6 +53,7 @@ new Theme(() => arm.repaint());
 let tools = NO_TOOLS;
 let toolsMs = -Infinity;
 let figuresMs = -Infinity;
+let newest = null;
 let heardMs = null; // the console's time in its newest echo: how old what the page sends is at most
 
 function beat() {
@@ -90,7 +91,7 @@ const handlers = {
     views.haunt(message.robot);
     views.offer(message.robot);
     if (!replay.isShown) operate(message, condition);
-    if (performance.now() - figuresMs >= READ_MS) showFigures(message);
+    newest = message;
   },
   tools: (message) => {
     toolsMs = performance.now();
@@ -122,6 +123,7 @@ function operate(situation, condition) {
 
 function showFigures(situation) {
   figuresMs = performance.now();
+  newest = null;
   events.show(situation);
   latency.show(situation);
   if (replay.isShown) return;
@@ -151,6 +153,8 @@ function disconnected() {
 setInterval(beat, BEAT_MS);
 setInterval(() => {
   views.refresh();
+  arm.refresh();
+  if (newest !== null && performance.now() - figuresMs >= READ_MS) showFigures(newest);
   joints.offer(views.isOneCamera);
   if (bar.isSilent) disconnected();
   if (performance.now() - toolsMs > OLD_TOOLS_MS) showTools(NO_TOOLS);

@@ -17,7 +17,6 @@ export class Views {
   #views = new Map();
   #cell = null;
   #robot = null;
-  #asked = null;
   #haunted = true;
   #offered = null;
   #tools = { measured: null, sent: null, wanted: null };
@@ -25,7 +24,6 @@ export class Views {
   #marked = true;
   #isCalibrated = false;
   #path = new ToolPath();
-  #markAsked = null;
   #marksButton = document.getElementById("marks");
   #received = new Set();
   #ghostButton = document.getElementById("ghost");
@@ -67,15 +65,12 @@ export class Views {
   }
 
   #draw() {
-    if (!this.#isCalibrated) return; // nothing is drawn over the pictures
-    this.#asked ??= requestAnimationFrame(() => {
-      this.#asked = null;
-      for (const [name, view] of this.#views) {
-        view.haunt(this.#cell, this.#robot);
-        const sees = this.#offered?.target.views.some((camera) => name === `camera/${camera}`);
-        view.offer(sees ? this.#offered : null, this.#path);
-      }
-    });
+    if (!this.#isCalibrated || document.hidden) return; // nothing is drawn over the pictures
+    for (const [name, view] of this.#views) {
+      view.haunt(this.#cell, this.#robot);
+      const sees = this.#offered?.target.views.some((camera) => name === `camera/${camera}`);
+      view.offer(sees ? this.#offered : null, this.#path);
+    }
   }
 
   /** The name of the limit that keeps the arm from following, null while none does. */
@@ -83,15 +78,12 @@ export class Views {
     this.#limit = limit;
   }
 
-  /** Draw the tool as measured and where it has been sent, as soon as the browser paints, whenever pictures come. */
+  /** Draw the tool as measured and where it has been sent, whenever pictures come. */
   markTools(tools) {
     this.#tools = tools;
     if (tools.measured !== null) this.#path.add(tools.measured);
-    if (!this.#isCalibrated) return;
-    this.#markAsked ??= requestAnimationFrame(() => {
-      this.#markAsked = null;
-      for (const view of this.#views.values()) view.markTools(this.#marked ? { ...this.#tools, limit: this.#limit } : null, this.#path);
-    });
+    if (!this.#isCalibrated || document.hidden) return;
+    for (const view of this.#views.values()) view.markTools(this.#marked ? { ...this.#tools, limit: this.#limit } : null, this.#path);
   }
 
   /** Take a picture, and report to the console when the next may come. */
