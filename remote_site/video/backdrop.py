@@ -17,7 +17,7 @@ from remote_site.simulation.appearance.surfaces import PaintedSurface, Rectangle
 
 NEAR_M = 0.02
 SMALLEST_PX = 32
-BAND_PX = 60  # rows that are mapped together
+BAND_PX = 32  # rows that are mapped together
 SUBPIXEL_BITS = 4
 FARTHEST_PX = 1e4
 
@@ -34,9 +34,9 @@ class Eye:
 
     def seen(self, points: Array) -> Array:
         """World points (n, 3) or directions from the camera as homogeneous pixels (n, 3)."""
-        rays = points @ self.world_R_image
-        centre = (self.width / 2, self.height / 2)
-        return np.column_stack([self.focal_px * rays[:, :2] + rays[:, 2:] * centre, rays[:, 2]])
+        u, v, focal = self.width / 2, self.height / 2, self.focal_px
+        ray_to_pixel = np.array([[focal, 0.0, 0.0], [0.0, focal, 0.0], [u, v, 1.0]])
+        return np.asarray(points @ (self.world_R_image @ ray_to_pixel), dtype=float)
 
 
 class Backdrop:

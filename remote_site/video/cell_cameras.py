@@ -13,7 +13,7 @@ import numpy as np
 from common.cameras.camera import Frame, Image
 from common.errors import CameraError
 from common.geometry import Array
-from remote_site.shared_record import Record, SharedRecord
+from remote_site.shared_record import SharedRecord
 from remote_site.simulation.cell import Cell
 from remote_site.simulation.scenery import ROOM_GROUP, TABLE_MASK
 from remote_site.simulation.views import OPENGL_R_IMAGE
@@ -110,7 +110,7 @@ class CellRenderer:
             raise CameraError(f"camera {name}: the simulated cell has no such view; it has {', '.join(names)}")
         return names.index(name)
 
-    def render(self, view: int, qpos: Record) -> Image:
+    def render(self, view: int, qpos: Array) -> Image:
         """A view (height, width, 3), BGR, of the cell in a posture (all of MuJoCo's qpos)."""
         self._pose(qpos)
         if self._model.cam_bodyid[view] != WORLD:
@@ -133,7 +133,7 @@ class CellRenderer:
         """Release the context; further calls do nothing."""
         self._screen.close()
 
-    def _pose(self, qpos: Record) -> None:
+    def _pose(self, qpos: Array) -> None:
         self._data.qpos[:] = qpos
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_comPos(self._model, self._data)
@@ -141,9 +141,9 @@ class CellRenderer:
 
     def _drawn_anew(self, view: int) -> Image:
         picture, eye = self._draw(view, self._whole, room=True, things=True), self._eye(view)
-        table = _where(picture, TABLE_MASK)
-        self._surfaces.draw(eye, picture, _where(picture, NOTHING), of_table=False)
-        self._surfaces.draw(eye, picture, table, of_table=True)
+        alpha = cv2.extractChannel(picture, 3)
+        for of_table, unpainted in ((False, NOTHING), (True, TABLE_MASK)):
+            self._surfaces.draw(eye, picture, _image(alpha == unpainted), of_table=of_table)
         return _bgr(picture)
 
     def _draw_over(self, picture: Image, view: int, window: Window, kinds: mujoco.mjtCatBit) -> None:
@@ -231,7 +231,7 @@ class CellCamera:
         self._view = renderer.view_id(name)
         renderer.prepare(self._view)
         self._frame: Frame | None = None
-        self._posture: Record | None = None
+        self._posture: Array | None = None
         self._picture: Image = np.empty(0, dtype=np.uint8)
         self._seq = 0
 
@@ -240,11 +240,13 @@ class CellCamera:
         snapshot = self._snapshot.read()
         capture_ns = int(snapshot["t_ns"])
         if capture_ns > (self._frame.capture_ns if self._frame else 0):
-            self._frame = Frame(self._shown(snapshot["qpos"], capture_ns), capture_ns, self._seq)
+            self._frame = Frame(
+                self._shown(np.asarray(snapshot["qpos"], dtype=float), capture_ns), capture_ns, self._seq
+            )
             self._seq += 1
         return self._frame
 
-    def _shown(self, posture: Record, capture_ns: int) -> Image:
+    def _shown(self, posture: Array, capture_ns: int) -> Image:
         if self._posture is None or np.abs(posture - self._posture).max() > UNMOVED:
             self._posture, self._picture = posture, self._renderer.render(self._view, posture)
         if not self._clock:
@@ -273,8 +275,7 @@ def _box_corners(boxes: Array) -> Array:
 
 
 def _where(rgba: Image, alpha: int) -> Image:
-    """255 where a picture has this alpha, else 0."""
-    return _image(cv2.compare(cv2.extractChannel(rgba, 3), alpha, cv2.CMP_EQ))
+    return _image(cv2.extractChannel(rgba, 3) == alpha)
 
 
 def _bgr(rgba: Image) -> Image:
