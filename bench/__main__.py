@@ -6,6 +6,7 @@ cells      how many cells one router carries: age and fraction of hands and pict
 control    what a control tick costs, from decoding to writing, beside Pink's inverse kinematics on the same targets
 endurance  an hour of both sites with recorder, viewers and a page: memory, descriptors and threads of each process
 fuzz       a million hostile payloads for the codec: the reasons of the refusals, payloads per second, growth of memory
+load       processor time with both sites and the page open, by process and stage, and the demonstration's share
 monocular  the monocular tracker: error against the number of points per link, and time per frame
 mutants    small changes to what decides about motion: how many a test notices; goes on from build/mutants.jsonl
 page       the operator's page in Chromium: from glass to glass, on one machine and on split cores, beside a bare page
@@ -31,7 +32,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from bench import cells, fuzz, rendering
+from bench import cells, fuzz, load, rendering
 from bench.control import tick as control
 from bench.endurance import run as endurance
 from bench.mutants import run as mutants
@@ -49,6 +50,7 @@ BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "control": control.measure,
     "endurance": endurance.measure,
     "fuzz": fuzz.measure,
+    "load": load.measure,
     "monocular": monocular.measure,
     "mutants": mutants.measure,
     "page": page.measure,

@@ -39,15 +39,16 @@ class PageStand:
         self.record: Record = Recorder(link, link, CELL, ()).record
         wait("the remote site", lambda: bool(self.record.states))
 
-    def follow(self) -> None:
+    def follow(self) -> SiteProcess:
         """Start a local site whose simulated hand the arm follows, and wait for its lease."""
-        self._start(
+        process = self._start(
             "local",
             f"links.remote={self._control}",
             f"links.listen={self._local}",
             "simulation.motion.name=figure_of_eight",
         )
         wait("the lease", lambda: self.record.states[-1].lease is not None)
+        return process
 
     def console(self, video_port: int) -> tuple[SiteProcess, str]:
         """Start a console that takes its pictures from this port; its page's address."""

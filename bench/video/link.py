@@ -112,6 +112,7 @@ class _LinkedView:
     came: VideoFrame
     shown: VideoFrame
     waiting: VideoFrame | None = None
+    late_ms: float = 0.0
     came_ns: deque[int] = field(default_factory=lambda: deque(maxlen=RATE_OF))
     painted: list[Arrival] = field(default_factory=list)
 
@@ -119,12 +120,12 @@ class _LinkedView:
 class Viewer:
     """Paints the newest picture of every camera, each `paints_fps` times a second at most; `painted` is what it did.
 
-    Where its host is busy, everything comes `late_ms` later.
+    Where its host is busy, everything comes `late_ms` later, and its console says that it has waited for `waited_ms`.
     """
 
     def __init__(self) -> None:
         self.paints_fps = math.inf
-        self.late_ms = 0.0
+        self.late_ms = self.waited_ms = 0.0
         self.painted: list[Arrival] = []
         self._views: dict[str, _LinkedView] = {}
 
@@ -133,6 +134,7 @@ class Viewer:
         view = self._views.setdefault(frame.camera, _LinkedView(frame, frame))
         view.came = view.waiting = frame
         view.came_ns.append(now_ns)
+        view.late_ms = self.late_ms
 
     def paint(self, now_ns: int) -> None:
         """Paint the pictures that wait, where the paint rate allows."""
@@ -140,7 +142,7 @@ class Viewer:
             busy = view.painted and now_ns - view.painted[-1].t_ns < NS_PER_S / self.paints_fps
             if view.waiting is not None and not busy:
                 frame, view.waiting = view.waiting, None
-                age_ms = (now_ns - frame.capture_ns) / NS_PER_MS + MAKE_AND_PAINT_MS
+                age_ms = (now_ns - frame.capture_ns) / NS_PER_MS + view.late_ms + MAKE_AND_PAINT_MS
                 view.painted.append(Arrival(now_ns, camera, age_ms, len(frame.data)))
                 self.painted.append(view.painted[-1])
                 view.shown = frame
@@ -150,7 +152,7 @@ class Viewer:
         since_ns, shown = now_ns - NS_PER_S, {}
         for camera, view in self._views.items():
             came_fps = float(sum(t_ns > since_ns for t_ns in view.came_ns))
-            came_age_ms = (view.came_ns[-1] - view.came.capture_ns) / NS_PER_MS + self.late_ms
+            came_age_ms = (view.came_ns[-1] - view.came.capture_ns) / NS_PER_MS + view.late_ms
             shown[camera] = ViewShown(
                 seq=view.shown.seq,
                 capture_ns=view.shown.capture_ns,
@@ -166,7 +168,8 @@ class StreamRun:
 
     `reports` is whether the viewer is a console, which reports, and `h264` whether it decodes that. Pictures that wait
     in the link go to it late, as they would through the buffers of a connection; with `sees_queue` they wait where the
-    sender can see it.
+    sender can see it. Where the cell's host is busy, a picture leaves `leaves_ms` after it was sent, and the sender
+    knows that it has waited for `waited_ms`.
     """
 
     def __init__(
@@ -185,6 +188,8 @@ class StreamRun:
         self.link = SimulatedLink(mbit_s)
         self.viewer = Viewer()
         self.now_ns = 0
+        self.leaves_ms = self.waited_ms = 0.0
+        self._leaving: deque[tuple[int, VideoFrame]] = deque()
         self._config = config
         self._picture = picture
         self._reports = reports
@@ -196,12 +201,22 @@ class StreamRun:
         before, end_ns = len(self.viewer.painted), self.now_ns + round(seconds * NS_PER_S)
         while self.now_ns < end_ns:
             self.now_ns += TICK_NS
+            self.adaptation.wait(self.waited_ms)
             self._expose()
+            for frame in _due(self._leaving, self.now_ns):
+                self.link.put(frame)
             for frame in self.link.tick(self.now_ns):
                 self.viewer.take(frame, self.now_ns)
             self.viewer.paint(self.now_ns)
             if self._reports and self.now_ns % REPORT_NS == 0 and (shown := self.viewer.shown(self.now_ns)):
-                report = ViewsShown(session=1, lease=0, h264=self._h264, sent_ns=self.now_ns, views=shown)
+                report = ViewsShown(
+                    session=1,
+                    lease=0,
+                    h264=self._h264,
+                    sent_ns=self.now_ns,
+                    views=shown,
+                    waited_ms=self.viewer.waited_ms,
+                )
                 self.link.put_back(report, self.now_ns)
             for report in self.link.came_back(self.now_ns):
                 self.adaptation.update(report, self.now_ns)
@@ -221,5 +236,5 @@ class StreamRun:
                 seq = next(self._numbers[camera])
                 frame = live_frame(camera, seq, self.now_ns, self._picture(camera, seq, setting))
                 self.adaptation.sent(frame, self.now_ns)
-                self.link.put(frame)
+                self._leaving.append((self.now_ns + round(self.leaves_ms * NS_PER_MS), frame))
                 self._departures.put(camera, len(frame.data), self.now_ns)

@@ -217,12 +217,21 @@ class HandLink(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     reason: Text = ""
 
 
+class VideoTrouble(StrEnum):
+    """Who is too slow for the pictures."""
+
+    NARROW = "narrow"
+    SLOW_PAGE = "slow_page"
+    BUSY_HOST = "busy_host"
+
+
 class VideoLink(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A link too narrow for the pictures: what it carries, what all of them would need, and what is sent instead."""
+    """What keeps pictures from coming all and in time: what is carried, what all would need, and why, with its cure."""
 
     carries_mbit_s: float
     needs_mbit_s: float
     reason: Text
+    code: VideoTrouble = VideoTrouble.NARROW
 
 
 class AssistPhase(StrEnum):

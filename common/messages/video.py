@@ -76,7 +76,8 @@ class ViewsShown(Message, frozen=True):
     """What the operator's console shows, at 10 Hz, so that the remote site sends only as much as arrives in time.
 
     `session` is a random number chosen at each start of the console, `lease` the number of its operator's lease, 0
-    without one; `h264` is whether the page that operates decodes H.264.
+    without one; `h264` is whether the page that operates decodes H.264. `waited_ms` is for how long the console has
+    lately waited for its processor, at most: what comes that late is not the link's fault.
     """
 
     session: Count
@@ -84,6 +85,7 @@ class ViewsShown(Message, frozen=True):
     lease: Count
     h264: bool
     views: Annotated[dict[Name, ViewShown], msgspec.Meta(max_length=16)]
+    waited_ms: AgeMs = 0.0
 
 
 class KeyFrameRequest(Message, frozen=True):

@@ -191,12 +191,17 @@ def die_with_parent(parent_pid: int, number: signal.Signals = signal.SIGTERM) ->
         os._exit(1)
 
 
+def show_as(name: str) -> None:
+    """Have `ps` show this process as farhand-NAME."""
+    ctypes.CDLL(None).prctl(PR_SET_NAME, f"farhand-{name}".encode())
+
+
 def _run(site: str, name: str, main: ChildMain, heartbeat: Heartbeat, reason: EndReason, parent_pid: int) -> None:
     should_stop = StopFlag()
     should_stop.install((END,))
     leave_stops_to_parent()
     die_with_parent(parent_pid, END)
-    ctypes.CDLL(None).prctl(PR_SET_NAME, f"farhand-{name}".encode())
+    show_as(name)
     structlog.contextvars.bind_contextvars(process=name)
     try:
         main(should_stop, heartbeat)

@@ -8,7 +8,6 @@ from common.messages.robot import HandLink, VideoLink
 APART_NS = 3 * NS_PER_S  # near a limit trouble comes and goes
 AGAIN_NS = 60 * NS_PER_S
 HAND_EVENT, VIDEO_EVENT = "link of the hand", "link of the pictures"
-NARROW = "narrow"
 TOO_SLOW = "link_too_slow"  # the code of readiness
 
 
@@ -61,7 +60,7 @@ class LinkLog:
             self._video.note("", "", now_ns)
         else:
             rates = {"carries_mbit_s": video.carries_mbit_s, "needs_mbit_s": video.needs_mbit_s}
-            self._video.note(NARROW, video.reason, now_ns, **{name: round(rate, 2) for name, rate in rates.items()})
+            self._video.note(video.code, video.reason, now_ns, **{name: round(rate, 2) for name, rate in rates.items()})
 
 
 def _figures(hand: HandLink) -> dict[str, float | None]:

@@ -18,6 +18,7 @@ from common.link.remote_clock import RemoteClock
 from common.link.transport import Link, open_link
 from common.messages.base import Message
 from common.messages.requests import DescribeQuestion
+from common.messages.robot import VideoTrouble
 from common.process.service import StopFlag
 from farhand.authority.asking import link_to
 from farhand.status.observed import OVER_NS, Observed
@@ -56,7 +57,8 @@ class StatusWatch:
             seen.description = None  # another start of the site may be another release
         elif seen.description is None:
             seen.description = self._control.ask(DESCRIBE, self._config.cell, DescribeQuestion())
-        if seen.state is not None and seen.state.video_link is not None:
+        trouble = None if seen.state is None else seen.state.video_link
+        if trouble is not None and trouble.code is VideoTrouble.NARROW:
             self._leave_pictures(NARROW)
         elif not pictures:
             self._leave_pictures("not counted, as asked")

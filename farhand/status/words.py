@@ -153,8 +153,8 @@ def _rate(rate: float | None) -> str:
 
 
 def _cameras(seen: Observed, state: RobotState, now_ns: int) -> Iterator[Row]:
-    if (narrow := state.video_link) is not None:
-        yield Row("pictures' link", narrow.reason, Mood.WORTH_A_LOOK)
+    if (trouble := state.video_link) is not None:
+        yield Row("pictures' way", trouble.reason, Mood.WORTH_A_LOOK)
     if not seen.cameras:
         yield Row("pictures", seen.pictures)
     for name, camera in seen.cameras.items():

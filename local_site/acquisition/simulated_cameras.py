@@ -17,7 +17,7 @@ import numpy as np
 from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import CameraError
-from common.process.children import die_with_parent, leave_stops_to_parent
+from common.process.children import die_with_parent, leave_stops_to_parent, show_as
 from common.process.service import ask_for_real_time
 from local_site.acquisition.led_hand import LedHand
 from local_site.calibration.rig import Rig
@@ -246,6 +246,7 @@ def _render_for_ever(loop: ExposureLoop, parent: int) -> None:
     signal.set_wakeup_fd(-1)
     leave_stops_to_parent()
     die_with_parent(parent, signal.SIGKILL)
+    show_as("filmed")
     # Zero and not one: one would wait for OpenCV's worker threads, which a forked process does not have.
     cv2.setNumThreads(0)
     # a real camera waits for no processor

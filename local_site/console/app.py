@@ -9,6 +9,7 @@ from contextlib import ExitStack
 
 import structlog
 import uvicorn
+from msgspec.structs import replace
 
 from common.errors import FarhandError, ProcessError
 from common.link.channels import HAND, INTENT, KEY_FRAMES, RECORDING, SHOWN, STATE, ChannelSession
@@ -16,7 +17,9 @@ from common.link.credentials import check_links
 from common.link.transport import Link, open_link
 from common.messages.base import SESSION_BITS
 from common.messages.requests import Description
+from common.messages.video import ViewsShown
 from common.process.log import LogFormat, log_end, start_log
+from common.process.processor_wait import ProcessorWait, QueuedTime
 from common.process.service import StopFlag, notify
 from local_site.console.cell_watch import CellWatch
 from local_site.console.config import ConsoleConfig
@@ -68,12 +71,14 @@ async def _serve(
         control = stack.enter_context(open_link(connect=(links.control, links.local), security=links))
         video_only = [ChannelSession.VIDEO]
         video = stack.enter_context(open_link(connect=(links.video,), security=links, sessions=video_only))
-        hub, handler = _connect(config, control, video, listeners, stack)
+        wait = ProcessorWait()
+        hub, handler = _connect(config, control, video, listeners, stack, wait)
         server = make_server(hub, config.serve, port)
         async with asyncio.TaskGroup() as group:
             tasks = [
                 group.create_task(_every(SITUATION_S, hub.send_situation)),
                 group.create_task(_every(INTENT_S, lambda: handler.send_intent(time.monotonic_ns()))),
+                group.create_task(_measure(wait)),
                 group.create_task(_watch(server, should_stop, lambda: _report_ready(config, port, announce))),
             ]
             await server.serve(sockets=[listening])
@@ -84,7 +89,7 @@ async def _serve(
 
 
 def _connect(
-    config: ConsoleConfig, control: Link, video: Link, listeners: Listeners, stack: ExitStack
+    config: ConsoleConfig, control: Link, video: Link, listeners: Listeners, stack: ExitStack, wait: ProcessorWait
 ) -> tuple[Hub, PageMessageHandler]:
     """Put the hub between the links and the pages; the watch over the cell ends with the stack."""
     loop, cell, name = asyncio.get_running_loop(), config.cell, config.name
@@ -104,7 +109,11 @@ def _connect(
     outlets = None
     if config.operate:
         intent, shown = control.publisher(INTENT, cell, operator=name), video.publisher(SHOWN, cell, operator=name)
-        outlets = Outlets(intent.put, shown.put)
+
+        def tell(views: ViewsShown) -> None:
+            shown.put(replace(views, waited_ms=wait.longest_ms(time.monotonic_ns())))
+
+        outlets = Outlets(intent.put, tell)
     requests, session = SiteRequests(control, watch, cell, name), secrets.randbits(SESSION_BITS)
     handler = PageMessageHandler(Seat(open_=config.operate), outlets, requests, latencies, history, session)
     key_frames = KeyFrames(video.publisher(KEY_FRAMES, cell).put)
@@ -124,6 +133,14 @@ async def _every(period_s: float, do: Callable[[], object]) -> None:
     while True:
         do()
         await asyncio.sleep(period_s)
+
+
+async def _measure(wait: ProcessorWait) -> None:
+    """Note for how long the loop's thread waits for a processor, which takes pictures as much later."""
+    queued = QueuedTime()
+    while True:
+        wait.turn(queued.read_ns(), time.monotonic_ns())
+        await asyncio.sleep(INTENT_S)
 
 
 async def _watch(server: uvicorn.Server, should_stop: StopFlag, ready: Callable[[], None]) -> None:

@@ -1,6 +1,7 @@
 """The flat surfaces of a simulated cell, seen by a camera: each picture is brought into the view by its homography.
 
-OpenCV maps a plane several times faster than Mesa's software renderer fills a textured one.
+OpenCV maps a plane several times faster than Mesa's software renderer fills a textured one, and one of four channels
+twice as fast as one of three.
 """
 
 import math
@@ -16,6 +17,7 @@ from remote_site.simulation.appearance.surfaces import PaintedSurface, Rectangle
 
 NEAR_M = 0.02
 SMALLEST_PX = 32
+BAND_PX = 32  # rows that are mapped together
 SUBPIXEL_BITS = 4
 FARTHEST_PX = 1e4
 
@@ -32,9 +34,9 @@ class Eye:
 
     def seen(self, points: Array) -> Array:
         """World points (n, 3) or directions from the camera as homogeneous pixels (n, 3)."""
-        rays = points @ self.world_R_image
-        centre = (self.width / 2, self.height / 2)
-        return np.column_stack([self.focal_px * rays[:, :2] + rays[:, 2:] * centre, rays[:, 2]])
+        u, v, focal = self.width / 2, self.height / 2, self.focal_px
+        ray_to_pixel = np.array([[focal, 0.0, 0.0], [0.0, focal, 0.0], [u, v, 1.0]])
+        return np.asarray(points @ (self.world_R_image @ ray_to_pixel), dtype=float)
 
 
 class Backdrop:
@@ -44,7 +46,7 @@ class Backdrop:
         self._drawn = {of_table: [_Drawn(s) for s in surfaces if s.of_table == of_table] for of_table in (False, True)}
 
     def draw(self, eye: Eye, picture: Image, where: Image, *, of_table: bool) -> None:
-        """Paint the surfaces into the picture (H, W, 3) where the mask (H, W) is not 0."""
+        """Paint the surfaces into the picture (H, W, 4), RGBA, where the mask (H, W) is not 0."""
         if cv2.countNonZero(where):
             for surface in self._drawn[of_table]:
                 surface.draw(eye, picture, where)
@@ -76,13 +78,23 @@ class _Drawn:
         mask &= where[window]
         left, top, width, height = cv2.boundingRect(mask)
         if width:
-            mask, left_px, top_px = mask[top : top + height, left : left + width], low[0] + left, low[1] + top
-            texture, image_H_texture = self._level(eye, (left_px + width / 2, top_px + height / 2))
-            shift = np.array([[1.0, 0.0, -left_px], [0.0, 1.0, -top_px], [0.0, 0.0, 1.0]])
-            shown = cv2.warpPerspective(
-                texture, shift @ image_H_texture, (width, height), flags=self._filter, borderMode=cv2.BORDER_REPLICATE
-            )
-            cv2.copyTo(shown, mask, picture[top_px : top_px + height, left_px : left_px + width])
+            level = self._level(eye, (low[0] + left + width / 2, low[1] + top + height / 2))
+            for row in range(top, top + height, BAND_PX):  # much of a slanting surface's rectangle is of another one
+                band = mask[row : min(row + BAND_PX, top + height)]
+                self._draw_band(picture[low[1] + row :, low[0] :], band, level, (int(low[0]), int(low[1]) + row))
+
+    def _draw_band(self, picture: Image, mask: Image, level: tuple[Image, Array], at: tuple[int, int]) -> None:
+        """Paint where the mask is not 0, into a part of the picture that begins at this column and row."""
+        left, top, width, height = cv2.boundingRect(mask)
+        if not width:
+            return
+        texture, image_H_texture = level
+        shift = np.array([[1.0, 0.0, -at[0] - left], [0.0, 1.0, -at[1] - top], [0.0, 0.0, 1.0]])
+        shown = cv2.warpPerspective(
+            texture, shift @ image_H_texture, (width, height), flags=self._filter, borderMode=cv2.BORDER_REPLICATE
+        )
+        part = (slice(top, top + height), slice(left, left + width))
+        cv2.copyTo(shown, mask[part], picture[part])
 
     def _outline(self, eye: Eye) -> Array | None:
         """The outline (n, 2) in pixels' centres, what lies behind the camera cut away; None if it is not seen."""
@@ -126,7 +138,7 @@ def _homography(eye: Eye, rectangle: Rectangle, texture: Image) -> Array:
 
 
 def _pyramid(picture: Image) -> list[Image]:
-    levels = [picture]
+    levels = [np.asarray(cv2.cvtColor(picture, cv2.COLOR_BGR2RGBA), dtype=np.uint8)]
     while min(levels[-1].shape[:2]) > 2 * SMALLEST_PX:
         half = (levels[-1].shape[1] // 2, levels[-1].shape[0] // 2)
         levels.append(np.asarray(cv2.resize(levels[-1], half, interpolation=cv2.INTER_AREA), dtype=np.uint8))

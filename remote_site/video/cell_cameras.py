@@ -4,7 +4,7 @@ import itertools
 import math
 import os
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import cv2
 import mujoco
@@ -12,11 +12,12 @@ import numpy as np
 
 from common.cameras.camera import Frame, Image
 from common.errors import CameraError
-from remote_site.shared_record import Record, SharedRecord
+from common.geometry import Array
+from remote_site.shared_record import SharedRecord
 from remote_site.simulation.cell import Cell
 from remote_site.simulation.scenery import ROOM_GROUP, TABLE_MASK
 from remote_site.simulation.views import OPENGL_R_IMAGE
-from remote_site.video.backdrop import Backdrop, Eye
+from remote_site.video.backdrop import NEAR_M, Backdrop, Eye
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.clock_strip import draw_clock
 
@@ -24,6 +25,8 @@ MAX_GEOMS = 500
 WORLD = 0
 FINER, SHARPENED = 3, 0.5
 NOTHING, OPAQUE = 0, 255  # of a pixel's alpha
+UNMOVED = 2e-5  # m or rad from the posture that was drawn: less than a tenth of a pixel in every view
+STILL, ALL = mujoco.mjtCatBit.mjCAT_STATIC, mujoco.mjtCatBit.mjCAT_ALL
 CURE = "on Debian and Ubuntu: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 EFFECTS = (
     mujoco.mjtRndFlag.mjRND_SHADOW,
@@ -33,6 +36,15 @@ EFFECTS = (
 )
 
 
+class Window(NamedTuple):
+    """A part of a view: its upper left corner, which may lie between pixels, and its size, px."""
+
+    left: float
+    top: float
+    width: int
+    height: int
+
+
 class OffScreen:
     """A picture of `width` x `height` pixels to draw scenes into; CameraError with the cure where EGL is missing."""
 
@@ -40,16 +52,25 @@ class OffScreen:
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height
         self._gl, self._context, self._functions = _open_egl(model, width, height)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        self._area = mujoco.MjrRect(0, 0, width, height)
-        self._pixels: Image = np.empty((height, width, 4), dtype=np.uint8)
+        self._take_depth_of_24_bits(width, height)
+        self._pixels: Image = np.empty(height * width * 4, dtype=np.uint8)
 
-    def draw(self, scene: mujoco.MjvScene) -> Image:
+    def draw(self, scene: mujoco.MjvScene, width: int, height: int) -> Image:
         """The scene as (height, width, 4) RGBA, bottom row first, alpha 0 where nothing is; valid until the next."""
-        mujoco.mjr_render(self._area, scene, self._context)
+        mujoco.mjr_render(mujoco.MjrRect(0, 0, width, height), scene, self._context)
         # mjr_readPixels gives RGB alone, which takes the software renderer ten times as long.
-        gl, (height, width, _) = self._functions, self._pixels.shape
-        gl.glReadPixels(0, 0, width, height, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE, self._pixels)
-        return self._pixels
+        gl, pixels = self._functions, self._pixels[: height * width * 4].reshape(height, width, 4)
+        gl.glReadPixels(0, 0, width, height, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE, pixels)
+        return pixels
+
+    def _take_depth_of_24_bits(self, width: int, height: int) -> None:
+        """MuJoCo's has 64 with its stencil, which takes the software renderer half as long again for every picture."""
+        gl, depth = self._functions, self._functions.glGenRenderbuffers(1)
+        gl.glBindRenderbuffer(gl.GL_RENDERBUFFER, depth)
+        gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, gl.GL_DEPTH_COMPONENT24, width, height)
+        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._context.offFBO)
+        for place, buffer in ((gl.GL_DEPTH_STENCIL_ATTACHMENT, 0), (gl.GL_DEPTH_ATTACHMENT, depth)):
+            gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, place, gl.GL_RENDERBUFFER, buffer)
 
     def close(self) -> None:
         """Release the context; further calls do nothing."""
@@ -63,7 +84,7 @@ class CellRenderer:
     """Renders every view of a dressed cell on one EGL context; made and used by one process, after its fork.
 
     MuJoCo draws what moves, and the table as a mask; behind them comes what stands still. For a fixed camera that is
-    drawn once, finer than the view, and kept.
+    drawn once, finer than the view, and kept, and only the part is drawn anew in which something can be that moves.
     """
 
     def __init__(self, cell: Cell, width: int, height: int) -> None:
@@ -76,7 +97,9 @@ class CellRenderer:
         self._option, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        self._size = (width, height)
+        self._size, self._whole = (width, height), Window(0.0, 0.0, width, height)
+        self._moving = np.flatnonzero(cell.model.body_weldid[cell.model.geom_bodyid] != WORLD)
+        self._boxes = _box_corners(cell.model.geom_aabb[self._moving])
         self._surfaces = Backdrop(cell.surfaces)
         self._kept: dict[int, Image] = {}
 
@@ -87,38 +110,64 @@ class CellRenderer:
             raise CameraError(f"camera {name}: the simulated cell has no such view; it has {', '.join(names)}")
         return names.index(name)
 
-    def render(self, view: int, qpos: Record) -> Image:
+    def render(self, view: int, qpos: Array) -> Image:
         """A view (height, width, 3), BGR, of the cell in a posture (all of MuJoCo's qpos)."""
         self._pose(qpos)
         if self._model.cam_bodyid[view] != WORLD:
             return self._drawn_anew(view)
         self.prepare(view)
-        drawn = self._draw(view, room=False, things=True)
-        behind = _image(cv2.extractChannel(drawn, 3) < OPAQUE)
-        return _image(cv2.copyTo(self._kept[view], behind, _bgr(drawn)))
+        picture = self._kept[view].copy()
+        window = self._where_things_move(view)
+        if window is not None:
+            self._draw_over(picture, view, window, ALL)
+        return picture
 
     def prepare(self, view: int) -> None:
         """Draw what stands still in a fixed view, if that is not done yet: it takes as long as many pictures."""
         if self._model.cam_bodyid[view] == WORLD and view not in self._kept:
             self._pose(self._data.qpos)
             self._kept[view] = self._still(view)
+            self._draw_over(self._kept[view], view, self._whole, STILL)
 
     def close(self) -> None:
         """Release the context; further calls do nothing."""
         self._screen.close()
 
-    def _pose(self, qpos: Record) -> None:
+    def _pose(self, qpos: Array) -> None:
         self._data.qpos[:] = qpos
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_comPos(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
 
     def _drawn_anew(self, view: int) -> Image:
-        drawn = self._draw(view, room=True, things=True)
-        picture, eye = _bgr(drawn), self._eye(view)
-        self._surfaces.draw(eye, picture, _where(drawn, NOTHING), of_table=False)
-        self._surfaces.draw(eye, picture, _where(drawn, TABLE_MASK), of_table=True)
-        return picture
+        picture, eye = self._draw(view, self._whole, room=True, things=True), self._eye(view)
+        alpha = cv2.extractChannel(picture, 3)
+        for of_table, unpainted in ((False, NOTHING), (True, TABLE_MASK)):
+            self._surfaces.draw(eye, picture, _image(alpha == unpainted), of_table=of_table)
+        return _bgr(picture)
+
+    def _draw_over(self, picture: Image, view: int, window: Window, kinds: mujoco.mjtCatBit) -> None:
+        """Draw these kinds of things into a window, whole pixels, of a fixed view's picture."""
+        drawn = self._draw(view, window, room=False, things=True, kinds=kinds)
+        left, top = int(window.left), int(window.top)
+        part = picture[top : top + window.height, left : left + window.width]
+        cv2.copyTo(_bgr(drawn), _where(drawn, OPAQUE), part)
+
+    def _where_things_move(self, view: int) -> Window | None:
+        """The smallest window around the boxes of all that moves; None where none of it is in the view."""
+        width, height = self._size
+        turned = self._data.geom_xmat[self._moving].reshape(-1, 3, 3)
+        corners = self._data.geom_xpos[self._moving][:, None] + self._boxes @ turned.transpose(0, 2, 1)
+        eye = self._eye(view)
+        seen = eye.seen(corners.reshape(-1, 3) - eye.position)
+        if seen[:, 2].min(initial=math.inf) < NEAR_M:
+            return self._whole
+        points = seen[:, :2] / seen[:, 2:]
+        low = np.maximum(np.floor(points.min(axis=0, initial=math.inf)) - 1, 0)
+        high = np.minimum(np.ceil(points.max(axis=0, initial=-math.inf)) + 1, (width, height))
+        if (high <= low).any():
+            return None
+        return Window(low[0], low[1], int(high[0] - low[0]), int(high[1] - low[1]))
 
     def _still(self, view: int) -> Image:
         """Room, furniture and table, several pixels to each of the view's, averaged and sharpened as cameras do."""
@@ -126,11 +175,13 @@ class CellRenderer:
         fine: Image = np.empty((height, width, 4), dtype=np.uint8)
         for row, column in itertools.product(range(FINER), repeat=2):
             aside = ((column + 0.5) / FINER - 0.5, (row + 0.5) / FINER - 0.5)
-            fine[row::FINER, column::FINER] = self._draw(view, room=True, things=False, aside=aside)
-        picture, eye = _bgr(fine), self._eye(view, FINER)
-        self._surfaces.draw(eye, picture, _where(fine, NOTHING), of_table=False)
-        self._surfaces.draw(eye, picture, np.full((height, width), 255, dtype=np.uint8), of_table=True)
-        averaged = cv2.resize(picture, self._size, interpolation=cv2.INTER_AREA)
+            fine[row::FINER, column::FINER] = self._draw(
+                view, self._whole._replace(left=aside[0], top=aside[1]), room=True, things=False
+            )
+        eye = self._eye(view, FINER)
+        self._surfaces.draw(eye, fine, _where(fine, NOTHING), of_table=False)
+        self._surfaces.draw(eye, fine, np.full((height, width), 255, dtype=np.uint8), of_table=True)
+        averaged = cv2.resize(_bgr(fine), self._size, interpolation=cv2.INTER_AREA)
         return _image(
             cv2.addWeighted(averaged, 1.0 + SHARPENED, cv2.GaussianBlur(averaged, (0, 0), 1.0), -SHARPENED, 0.0)
         )
@@ -141,7 +192,8 @@ class CellRenderer:
         turned = self._data.cam_xmat[view].reshape(3, 3) @ OPENGL_R_IMAGE
         return Eye(self._data.cam_xpos[view].copy(), turned, focal_px, width, height)
 
-    def _draw(self, view: int, *, room: bool, things: bool, aside: tuple[float, float] = (0.0, 0.0)) -> Image:
+    def _draw(self, view: int, window: Window, *, room: bool, things: bool, kinds: mujoco.mjtCatBit = ALL) -> Image:
+        """A window of a view as RGBA, alpha 0 where nothing is."""
         self._camera.fixedcamid = view
         self._option.geomgroup[:] = things
         self._option.geomgroup[ROOM_GROUP] = room
@@ -151,15 +203,16 @@ class CellRenderer:
             self._option,
             self._perturbation,
             self._camera,
-            mujoco.mjtCatBit.mjCAT_ALL,
+            kinds,
             self._scene,
         )
+        width, height = self._size
         for camera in self._scene.camera:
-            pixel = (camera.frustum_top - camera.frustum_bottom) / self._size[1]
-            camera.frustum_center += aside[0] * pixel
-            camera.frustum_top -= aside[1] * pixel
-            camera.frustum_bottom -= aside[1] * pixel
-        return _image(cv2.flip(self._screen.draw(self._scene), 0))
+            pixel = (camera.frustum_top - camera.frustum_bottom) / height
+            camera.frustum_center += (window.left + (window.width - width) / 2) * pixel
+            camera.frustum_top -= window.top * pixel
+            camera.frustum_bottom = camera.frustum_top - window.height * pixel
+        return _image(cv2.flip(self._screen.draw(self._scene, window.width, window.height), 0))
 
 
 class CellCamera:
@@ -178,19 +231,29 @@ class CellCamera:
         self._view = renderer.view_id(name)
         renderer.prepare(self._view)
         self._frame: Frame | None = None
+        self._posture: Array | None = None
+        self._picture: Image = np.empty(0, dtype=np.uint8)
         self._seq = 0
 
     def newest(self) -> Frame | None:
-        """The view of the newest posture, rendered only if it is new; None before the cell's first step."""
+        """The view of the newest posture, rendered only if it has moved; None before the cell's first step."""
         snapshot = self._snapshot.read()
         capture_ns = int(snapshot["t_ns"])
         if capture_ns > (self._frame.capture_ns if self._frame else 0):
-            image = self._renderer.render(self._view, snapshot["qpos"])
-            if self._clock:
-                draw_clock(image, capture_ns)
-            self._frame = Frame(image, capture_ns, self._seq)
+            self._frame = Frame(
+                self._shown(np.asarray(snapshot["qpos"], dtype=float), capture_ns), capture_ns, self._seq
+            )
             self._seq += 1
         return self._frame
+
+    def _shown(self, posture: Array, capture_ns: int) -> Image:
+        if self._posture is None or np.abs(posture - self._posture).max() > UNMOVED:
+            self._posture, self._picture = posture, self._renderer.render(self._view, posture)
+        if not self._clock:
+            return self._picture
+        image = self._picture.copy()
+        draw_clock(image, capture_ns)
+        return image
 
     def close(self) -> None:
         """Release the context, which all views share."""
@@ -203,6 +266,12 @@ def open_cell_cameras(
     """Simulated cameras by the names of their views, on one context; CameraError names what is missing."""
     renderer = CellRenderer(cell, config.width, config.height)
     return [CellCamera(name, renderer, snapshot, clock=config.clock) for name in names]
+
+
+def _box_corners(boxes: Array) -> Array:
+    """The corners (n, 8, 3) of boxes (n, 6), each its middle and half its size."""
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+    return np.asarray(boxes[:, None, :3] + signs * boxes[:, None, 3:], dtype=float)
 
 
 def _where(rgba: Image, alpha: int) -> Image:

@@ -20,6 +20,7 @@ from common.link.channels import KEY_FRAMES
 from common.messages.robot import VideoLink
 from common.messages.video import CameraStatus, KeyFrameRequest, VideoFrame, ViewsShown
 from common.process.log import RefusalLog
+from common.process.processor_wait import ProcessorWait, QueuedTime
 from common.process.service import be_nice
 from remote_site.video.config import VideoConfig
 from remote_site.video.full_pictures import FullPictures
@@ -155,6 +156,7 @@ class _Console:
 
     wire: VideoWire
     adaptation: Adaptation
+    wait: ProcessorWait = field(default_factory=ProcessorWait)
     refusals: RefusalLog = field(default_factory=lambda: RefusalLog("a console's report of its views is refused"))
     reported_ns: int = 0
     heard_ns: int = 0
@@ -168,6 +170,7 @@ class _Console:
         if now_ns - self.looked_ns >= LISTENERS_EVERY_NS:
             self.looked_ns = now_ns
             self.adaptation.listened(now_ns, has_listener=self.wire.has_listener())
+            self.adaptation.wait(self.wait.longest_ms(now_ns))
         for source in self.wire.shown:
             self._take(source, now_ns)
         if now_ns - self.reported_ns >= NARROW_EVERY_NS:
@@ -258,7 +261,7 @@ def run_video(
         return
     requests = _KeyFrameRequests(wire.key_frames, {slot.source.name: slot.stream for slot in slots})
     console = _Console(wire, Adaptation(config, h264=_encodes_h264(config.codec)))
-    sending = _Sending(wire, console.adaptation)
+    sending, queued = _Sending(wire, console.adaptation), QueuedTime()
     try:
         while not should_stop():
             slot = min(slots, key=lambda s: s.due_ns)
@@ -266,13 +269,14 @@ def run_video(
             if delay_ns > 0:
                 time.sleep(delay_ns / NS_PER_S)
             now_ns = time.monotonic_ns()
+            console.wait.turn(queued.read_ns(), now_ns)
             console.listen(now_ns)
             requests.listen()
             name, records = slot.source.name, full is not None and full.wanted
             setting = console.adaptation.setting(name, now_ns)
             message = slot.serve(setting, now_ns, partial(sending.waits, name, now_ns), every_picture=records)
             if message is not None:
-                sending.publish(message, now_ns)
+                sending.publish(message, time.monotonic_ns())  # what drawing takes is none of the link's delay
             if full is not None and records:
                 full.see(name, slot.frame, message, setting)
             if markers is not None and console.is_watched(now_ns):

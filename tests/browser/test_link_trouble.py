@@ -9,13 +9,13 @@ from msgspec.structs import replace
 
 from bench.page import scene
 from common.clock import NS_PER_S
-from common.messages.robot import NO_PAGE, HandLink, Readiness, SessionState, VideoLink
+from common.messages.robot import NO_PAGE, HandLink, Readiness, SessionState, VideoLink, VideoTrouble
 from tests.browser.told import Told
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
 STALE = "newest hand sample is 320 ms old (limit 100 ms)"
 OLD = "hand samples are too old: 310 ms at arrival and 33 ms apart, where the limit is 100 ms; network 240 ms"
-NARROW = "1.8 Mbit/s of pictures arrive; the four views need about 31 Mbit/s"
+NARROW = "the link carries 1.8 Mbit/s of pictures; the four views need about 31 Mbit/s"
 LINK = HandLink(
     age_ms=310.0,
     network_ms=240.0,
@@ -43,7 +43,7 @@ def test_a_links_trouble_is_told_with_its_figures(apart: Told) -> None:
     video = VideoLink(carries_mbit_s=1.8, needs_mbit_s=31.0, reason=NARROW)
     told.state = partial(scene.state, SessionState.HOLDING, "stale", STALE, hand_link=LINK, video_link=video)
     told.until("the reason", lambda: told.page.words("#reason") == f"{STALE} · {OLD}")
-    trouble = "smaller or fewer pictures: the link is too narrow, or a machine has too much to do (1.8 of 31 Mbit/s)"
+    trouble = "smaller or fewer pictures: the link is too narrow (1.8 of 31 Mbit/s)"
     told.until("the pictures' own", lambda: told.page.page.inner_text("[data-name=front_high] .trouble") == trouble)
     assert [told.page.words(f"[data-name={name}] .trouble") for name in scene.CAMERAS[1:]] == ["", "", ""]
     limit = "obeyed up to 100 ms, at 100 % of the speed"
@@ -70,6 +70,19 @@ def test_one_machine_that_has_too_much_to_do_is_not_called_a_narrow_link(told: T
     told.page.page.keyboard.press("3")
     told.until("on the chosen one", lambda: told.page.words("[data-name=side] .trouble") == trouble)
     told.page.page.keyboard.press("3")
+
+
+@pytest.mark.parametrize(
+    ("code", "words"),
+    [
+        (VideoTrouble.SLOW_PAGE, "smaller or fewer pictures: this page draws too slowly (5.0 of 15 Mbit/s)"),
+        (VideoTrouble.BUSY_HOST, "late pictures: a machine has too much to do"),
+    ],
+)
+def test_who_is_slow_is_said_on_the_picture(apart: Told, code: VideoTrouble, words: str) -> None:
+    video = VideoLink(carries_mbit_s=5.0, needs_mbit_s=15.0, reason="it is slow", code=code)
+    apart.state = partial(scene.state, SessionState.ENGAGED, video_link=video)
+    apart.until("why", lambda: apart.page.page.inner_text("[data-name=front_high] .trouble") == words)
 
 
 def test_a_page_that_operates_never_says_that_none_does(told: Told) -> None:

@@ -84,7 +84,7 @@ class History:
         """Note trouble of a link once it begins or changes; its figures change all the time."""
         hand, video = state.hand_link, state.video_link
         found = {"hand's link": (hand.code, hand.reason)} if hand is not None else {}
-        found["pictures' link"] = ("narrow", video.reason) if video is not None else ("", "")
+        found["pictures' way"] = (video.code, video.reason) if video is not None else ("", "")
         for topic, (code, reason) in found.items():
             if code != self._last.get(topic, "") and now_ns - self._trouble_ns.get(topic, -TROUBLE_NS) >= TROUBLE_NS:
                 self._last[topic], self._trouble_ns[topic] = code, now_ns

@@ -3,9 +3,10 @@ import { ArmDrawing } from "./arm_drawing.js";
 import { limitWords } from "./joint_limits.js";
 import { distance, frames, origin, turnedBy } from "./kinematics.js";
 import { Orbit } from "./orbit.js";
-import { sized, tones } from "./surface.js";
+import { LastDrawn, sized, tones } from "./surface.js";
 import { READ_MS, put } from "./words.js";
 
+const STEP = 0.001; // rad and m: less is not seen
 const TONES = ["measured", "commanded", "target", "box", "edge", "holding", "fault", "panel", "text"];
 
 export class ArmRoom {
@@ -19,6 +20,7 @@ export class ArmRoom {
   #push = { name: null, wanted: null };
   #asked = null;
   #describedMs = -Infinity;
+  #last = new LastDrawn(STEP);
 
   constructor() {
     new ResizeObserver(() => this.#ask()).observe(this.#canvas);
@@ -37,8 +39,15 @@ export class ArmRoom {
 
   show(robot) {
     this.#robot = robot;
-    if (this.#shown !== null && performance.now() - this.#describedMs >= READ_MS) this.#describe(this.#shown);
-    this.#ask();
+  }
+
+  /** Draw and describe what has changed since the last time. */
+  refresh() {
+    if (document.hidden) return;
+    const robot = this.#shown;
+    if (robot !== null && performance.now() - this.#describedMs >= READ_MS) this.#describe(robot);
+    const push = this.#push.name === null ? null : this.#push;
+    if (this.#last.differs(robot === null ? null : seenOf(robot), push)) this.#draw();
   }
 
   /** The name of the limit that keeps the arm from following, null while none does. */
@@ -49,7 +58,6 @@ export class ArmRoom {
   /** Where the hand wants the tool (m), null where that is not known. */
   want(wanted) {
     this.#push = { ...this.#push, wanted };
-    if (this.#push.name !== null) this.#ask();
   }
 
   /** The robot, unless its state is still of another arm than the one described last. */
@@ -83,4 +91,9 @@ export class ArmRoom {
     if (this.#cell === null || width === 0) return; // not shown until an arm is known
     this.#drawing.draw(this.#context, this.#orbit.sight(width, height), this.#cell, this.#shown, this.#push, tones(...TONES));
   }
+}
+
+/** What the drawing shows of a robot. */
+function seenOf({ q, q_commanded, target, silent, gripper }) {
+  return { q, q_commanded, target, silent, opening: gripper && gripper.opening };
 }

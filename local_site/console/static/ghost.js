@@ -2,15 +2,17 @@
 import { frames, fromPose, inverse, origin } from "./kinematics.js";
 import { growth } from "./letters.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
-import { sized, within } from "./surface.js";
+import { LastDrawn, sized, within } from "./surface.js";
 
 const AXIS_M = 0.05;
+const STEP_PX = 0.25;
 const STROKES = [["#000000a0", 5], ["#c9a5ff", 2.5]]; // seen on light and dark pictures alike
 
 export class Ghost {
   #canvas;
   #context;
   #camera;
+  #last = new LastDrawn(STEP_PX);
 
   /** Draws over a canvas's picture; `camera` is its description by the cell. */
   constructor(canvas, camera) {
@@ -21,8 +23,9 @@ export class Ghost {
 
   draw(cell, robot) {
     const { width, height } = sized(this.#canvas, this.#context);
-    this.clear();
     const lines = ghostLines(cell, robot, this.#camera).map((line) => line.map((pixel) => fitted(pixel, this.#camera, width, height)));
+    if (!this.#last.differs(lines, width, height, devicePixelRatio)) return;
+    this.#erase();
     within(this.#context, this.#camera, { width, height }, () => {
       for (const [tone, thick] of STROKES) {
         this.#context.strokeStyle = tone;
@@ -34,6 +37,10 @@ export class Ghost {
   }
 
   clear() {
+    if (this.#last.differs(null)) this.#erase();
+  }
+
+  #erase() {
     this.#context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
   }
 

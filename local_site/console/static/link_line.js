@@ -2,6 +2,11 @@
 import { put } from "./words.js";
 
 const ONE_CLOCK_MS = 1;
+const WHY = {
+  narrow: "the link is too narrow",
+  slow_page: "this page draws too slowly",
+  busy_host: "a machine has too much to do",
+};
 
 export class LinkLine {
   #figures = document.getElementById("link");
@@ -32,7 +37,9 @@ export function handTrouble({ hand_link: hand, age_limit_ms: limitMs }, clock) {
 /** The same of the pictures, for the picture itself. */
 export function pictureTrouble({ video_link: video }, clock) {
   if (!video) return "";
-  const why = isOneMachine(clock) ? "this machine has too much to do" : "the link is too narrow, or a machine has too much to do";
+  const isSlowPage = video.code === "slow_page";
+  const why = !isSlowPage && isOneMachine(clock) ? "this machine has too much to do" : WHY[video.code];
+  if (video.code === "busy_host") return `late pictures: ${why}`;
   return `smaller or fewer pictures: ${why} (${video.carries_mbit_s.toFixed(1)} of ${video.needs_mbit_s.toFixed(0)} Mbit/s)`;
 }
 

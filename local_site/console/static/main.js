@@ -62,6 +62,7 @@ new RememberedToggle("type", "l", false, (isLarge) => {
 let tools = NO_TOOLS;
 let toolsMs = -Infinity;
 let figuresMs = -Infinity;
+let newest = null;
 let heardMs = null; // the console's time in its newest echo: how old what the page sends is at most
 
 function beat() {
@@ -101,7 +102,7 @@ const handlers = {
     views.offer(message.robot);
     views.sayWhatIsMissing(message.hand, replay.isShown);
     if (!replay.isShown) operate(message, condition);
-    if (performance.now() - figuresMs >= READ_MS) showFigures(message);
+    newest = message;
   },
   tools: (message) => {
     toolsMs = performance.now();
@@ -132,6 +133,7 @@ function operate(situation, condition) {
 
 function showFigures(situation) {
   figuresMs = performance.now();
+  newest = null;
   events.show(situation);
   latency.show(situation);
   if (replay.isShown) return;
@@ -163,6 +165,8 @@ function disconnected() {
 setInterval(beat, BEAT_MS);
 setInterval(() => {
   views.refresh();
+  arm.refresh();
+  if (newest !== null && performance.now() - figuresMs >= READ_MS) showFigures(newest);
   joints.offer(views.isOneCamera);
   if (bar.isSilent) disconnected();
   if (performance.now() - toolsMs > OLD_TOOLS_MS) showTools(NO_TOOLS);

@@ -1,7 +1,7 @@
 // The bar over everything: what the arm does, in one colour that is read from two metres, and why.
 import { conditionOf, lostCondition, saidOf } from "./condition.js";
 import { Steady } from "./steady.js";
-import { mark, put } from "./words.js";
+import { READ_MS, mark, put } from "./words.js";
 
 const SILENT_MS = 500;
 
@@ -13,6 +13,7 @@ export class StateBar {
   #cell = document.getElementById("cell");
   #steady = new Steady();
   #receivedMs = null;
+  #saidMs = -Infinity;
   #connected = false;
   #said = saidOf(false);
   #whose = { operator: "", remote: "" };
@@ -51,7 +52,10 @@ export class StateBar {
 
   #show(newest) {
     const condition = this.#steady.show(newest, performance.now());
-    if (this.#state.dataset.state !== condition.name) this.#changed(condition.name);
+    const isSame = this.#state.dataset.state === condition.name;
+    if (isSame && performance.now() - this.#saidMs < READ_MS) return condition; // figures in it change all the time
+    this.#saidMs = performance.now();
+    if (!isSame) this.#changed(condition.name);
     mark(this.#state, "data-state", condition.name);
     mark(document.body, "data-tone", condition.tone);
     put(this.#word, condition.word);

@@ -34,8 +34,38 @@ export function within(context, camera, { width, height }, draw) {
   context.restore();
 }
 
+/** What a canvas shows, as numbers and words: it is painted again only where that has changed by more than `step`. */
+export class LastDrawn {
+  #step;
+  #key = null;
+
+  constructor(step) {
+    this.#step = step;
+  }
+
+  /** Whether this is not what the canvas shows; from now on it is. */
+  differs(...shown) {
+    const key = JSON.stringify(shown, (_, value) => (typeof value === "number" ? Math.round(value / this.#step) : value));
+    if (key === this.#key) return false;
+    this.#key = key;
+    return true;
+  }
+
+  forget() {
+    this.#key = null;
+  }
+}
+
+const known = new Map();
+
 /** The page's colours by name, as they are now. */
 export function tones(...names) {
-  const style = getComputedStyle(document.documentElement);
-  return Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
+  return Object.fromEntries(names.map((name) => [name, tone(name)]));
+}
+
+/** One colour of the theme in force; to ask the browser has it work out the page's style first. */
+function tone(name) {
+  const key = `${document.documentElement.dataset.theme} ${name}`;
+  if (!known.has(key)) known.set(key, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim());
+  return known.get(key);
 }

@@ -3,9 +3,10 @@ import { fromPose, inverse, origin } from "./kinematics.js";
 import { growth, letter } from "./letters.js";
 import { drawPush } from "./limit_arrow.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
-import { sized, within } from "./surface.js";
+import { LastDrawn, sized, within } from "./surface.js";
 
 const AHEAD_M = 0.06; // how much of the tool's axis is drawn
+const STEP_PX = 0.25;
 const RING = 0.64; // in letters
 const CROSS = [0.36, 1.2]; // its arms begin and end beside the ring, so that each shows when both are at one place
 const DARK = "#000000b0";
@@ -15,7 +16,7 @@ export class ToolMarks {
   #canvas;
   #context;
   #camera;
-  #isDrawn = false;
+  #last = new LastDrawn(STEP_PX);
 
   /** Draws on a canvas over a picture; `camera` is its description by the cell. */
   constructor(canvas, camera) {
@@ -30,22 +31,26 @@ export class ToolMarks {
    */
   draw({ measured, sent, wanted, limit }, toolThen) {
     const { width, height } = sized(this.#canvas, this.#context);
-    this.clear();
     const ring = markOf(measured, this.#camera, toolThen, width, height);
     const cross = markOf(sent, this.#camera, toolThen, width, height);
     const project = (position) => markOf({ ...measured, position }, this.#camera, toolThen, width, height)?.at ?? null;
+    const push = limit && measured && [limit, project(measured.position), wanted && project(wanted)];
+    if (!this.#last.differs(ring, cross, push, width, height, letter(), devicePixelRatio)) return;
+    this.#erase();
     within(this.#context, this.#camera, { width, height }, () => {
       if (ring && cross) this.#stroke([[ring.at, cross.at]], TONES.between, 1);
       if (ring) this.#measured(ring);
       if (cross) this.#sent(cross);
       if (ring && limit) drawPush(this.#context, project, measured.position, wanted, limit);
     });
-    this.#isDrawn = true;
   }
 
   clear() {
-    if (this.#isDrawn) this.#context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
-    this.#isDrawn = false;
+    if (this.#last.differs(null)) this.#erase();
+  }
+
+  #erase() {
+    this.#context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
   }
 
   #measured({ at: [x, y], ahead }) {

@@ -19,13 +19,11 @@ export class Views {
   #views = new Map();
   #cell = null;
   #robot = null;
-  #asked = null;
   #offered = null;
   #tools = { measured: null, sent: null, wanted: null };
   #limit = null;
   #isCalibrated = false;
   #path = new ToolPath();
-  #markAsked = null;
   #received = new Set();
   #ghost = new RememberedToggle("ghost", "g", true, () => this.#draw());
   #marks = new RememberedToggle("marks", "t", true, () => this.markTools(this.#tools));
@@ -68,15 +66,12 @@ export class Views {
   }
 
   #draw() {
-    if (!this.#isCalibrated) return; // nothing is drawn over the pictures
-    this.#asked ??= requestAnimationFrame(() => {
-      this.#asked = null;
-      for (const [name, view] of this.#views) {
-        view.haunt(this.#cell, this.#ghost.isOn ? this.#robot : null);
-        const sees = this.#offered?.target.views.some((camera) => name === CAMERA + camera);
-        view.offer(sees ? this.#offered : null, this.#path);
-      }
-    });
+    if (!this.#isCalibrated || document.hidden) return; // nothing is drawn over the pictures
+    for (const [name, view] of this.#views) {
+      view.haunt(this.#cell, this.#ghost.isOn ? this.#robot : null);
+      const sees = this.#offered?.target.views.some((camera) => name === CAMERA + camera);
+      view.offer(sees ? this.#offered : null, this.#path);
+    }
   }
 
   /** The name of the limit that keeps the arm from following, null while none does. */
@@ -84,15 +79,12 @@ export class Views {
     this.#limit = limit;
   }
 
-  /** Draw the tool as measured and where it has been sent, as soon as the browser paints, whenever pictures come. */
+  /** Draw the tool as measured and where it has been sent, whenever pictures come. */
   markTools(tools) {
     this.#tools = tools;
     if (tools.measured !== null) this.#path.add(tools.measured);
-    if (!this.#isCalibrated) return;
-    this.#markAsked ??= requestAnimationFrame(() => {
-      this.#markAsked = null;
-      for (const view of this.#views.values()) view.markTools(this.#marks.isOn ? { ...this.#tools, limit: this.#limit } : null, this.#path);
-    });
+    if (!this.#isCalibrated || document.hidden) return;
+    for (const view of this.#views.values()) view.markTools(this.#marks.isOn ? { ...this.#tools, limit: this.#limit } : null, this.#path);
   }
 
   /** Take a picture, and report to the console when the next may come. */

@@ -1,71 +1,29 @@
 """The codec, quality, size and rate of every camera, from what came to the operator's console and what it shows."""
 
-import statistics
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 
-from common.clock import NS_PER_MS, NS_PER_S
+from common.clock import NS_PER_S
 from common.link.channels import SHOWN
 from common.messages.robot import VideoLink
-from common.messages.video import Codec, VideoFrame, ViewShown, ViewsShown
+from common.messages.video import Codec, VideoFrame, ViewsShown
 from remote_site.video.config import VideoConfig
+from remote_site.video.streaming.busy_hosts import BusyHosts
 from remote_site.video.streaming.codec_choice import CodecChoice
 from remote_site.video.streaming.link_rate import USED, Least, LinkRate
-from remote_site.video.streaming.narrow_link import narrow_link
+from remote_site.video.streaming.narrow_link import busy_host, narrow_link, slow_page
+from remote_site.video.streaming.page_rate import LEAST_FPS, PageRate
 from remote_site.video.streaming.sent_pictures import SentPictures, together
 from remote_site.video.streaming.setting import StreamSetting, fit, fit_h264, most_h264_bytes
 
 SENDING_NS = NS_PER_S
 FLOOR_BYTES_PER_S = 500.0
 OLDER_CONSOLES = 16
-PAINTS = 0.85  # of what comes: a page that paints less is behind
-BEHIND_MS = 40.0  # and so is one that paints this much later than it has of late
-PROMPT_MS = 60.0  # one that has never painted earlier than this is behind too
-BEHIND_REPORTS = 3
-REDUCED = 0.85  # of what it paints while it is behind
-SETTLE_NS = 1500 * NS_PER_MS  # rates are counted over a second
-CAUTION = 0.7, 1.3  # of the rate at which it last fell behind: between these the rate grows slowly
-GROWTH_PER_S, CAUTIOUS_GROWTH_PER_S = 1.6, 1.04
-LEAST_FPS = 5.0
 UNTOLD_NS = 3 * NS_PER_S  # within which a console that operates reports, also over a link with a long way
 UNTOLD_SCALE = 0.5
-
-
-class PageRate:
-    """A limit of the rate of every camera; None while the page keeps up with all.
-
-    A page that cannot keep up skips pictures, and each of them has cost the host that draws it processor time.
-    """
-
-    def __init__(self) -> None:
-        self.fps: float | None = None
-        self._behind_reports = 0
-        self._least_lag_ms = Least()
-        self._settled_ns = 0
-        self._report_ns = 0
-        self._too_much_fps = 0.0
-
-    def report(self, views: Sequence[ViewShown], full_fps: float, now_ns: int) -> None:
-        """What the page has shown of each camera, and the rate that the cameras have."""
-        passed_ns, self._report_ns = min(now_ns - self._report_ns, NS_PER_S), now_ns
-        painted, came = (statistics.fmean(rates) for rates in zip(*((v.fps, v.came.fps) for v in views), strict=True))
-        lag_ms = statistics.median(view.age_ms - view.came.age_ms for view in views)
-        prompt_ms = min(PROMPT_MS, self._least_lag_ms.see(lag_ms, now_ns))
-        behind = painted < PAINTS * came or lag_ms > prompt_ms + BEHIND_MS
-        self._behind_reports = self._behind_reports + 1 if behind else 0
-        if now_ns < self._settled_ns:
-            return
-        if self._behind_reports >= BEHIND_REPORTS:
-            self._too_much_fps = self.fps or full_fps
-            self.fps = min(max(LEAST_FPS, REDUCED * painted), self._too_much_fps)
-            self._settled_ns = now_ns + SETTLE_NS
-        elif not behind and self.fps is not None:
-            low, high = (fraction * self._too_much_fps for fraction in CAUTION)
-            growth = CAUTIOUS_GROWTH_PER_S if low < self.fps < high else GROWTH_PER_S
-            more = self.fps * growth ** (passed_ns / NS_PER_S)
-            self.fps = more if more < full_fps else None
+FEW = 0.7  # of the pictures: so many fewer are worth a word
 
 
 class Adaptation:
@@ -74,10 +32,11 @@ class Adaptation:
     Who has just begun to listen may be a console behind a narrow link, which can report only after pictures have come:
     until then, or for UNTOLD_NS, few and small ones are sent. All at once would fill the link for seconds.
 
-    The link's rate follows from what comes to the console, and how late; the rate worth sending from what its page
-    paints of that, and how much later. A console is followed until a newer one reports or it has been silent for a
-    second. Viewers never report, so that they get what suits the operator's link. The budget is divided so that each
-    camera has the same bytes a second, and what one does not need goes to the others.
+    The link's rate follows from what comes to the console, and how late, but for what a processor of either host
+    explains of that; the rate worth sending from what its page paints of that, and how much later. A console is
+    followed until a newer one reports or it has been silent for a second. Viewers never report, so that they get what
+    suits the operator's link. The budget is divided so that each camera has the same bytes a second, and what one does
+    not need goes to the others.
     """
 
     def __init__(self, config: VideoConfig, *, h264: bool) -> None:
@@ -106,17 +65,22 @@ class Adaptation:
         elif self._listened_ns is None:
             self._listened_ns = now_ns
 
+    def wait(self, waited_ms: float) -> None:
+        """Note for how long this process has lately waited for its processor."""
+        self._hosts.of_cell_ms = waited_ms
+
     def update(self, shown: ViewsShown, now_ns: int) -> None:
         """Take a console's report of what it has shown."""
         if not self._follow(shown.session, now_ns):
             return
+        self._hosts.report(shown.waited_ms, now_ns)
         told_ns = self._told_ns(shown, now_ns)
         views = {name: view for name, view in shown.views.items() if name in self._sent}
         came = [one for name, view in views.items() if (one := self._sent[name].come(view.came, told_ns)) is not None]
         if came:
             self._page.report(list(views.values()), self._full.fps, now_ns)
             cautious, wanted = self._choice.codec is Codec.H264, sum(self._wanted(now_ns).values())
-            self._link.report(together(came), wanted, told_ns, cautious=cautious)
+            self._link.report(together(came, self._hosts.waited_ms), wanted, told_ns, cautious=cautious)
         self._choose_codec(decodes=shown.h264, now_ns=now_ns)
         self._settings = self._chosen(self._wanted(now_ns))
 
@@ -134,11 +98,17 @@ class Adaptation:
         self._forget(None)
 
     def narrow(self, now_ns: int) -> VideoLink | None:
-        """What to report of a link that is too narrow for the pictures; None while it carries all."""
+        """What to report of link, page or processor where it keeps pictures from coming all and in time; else None."""
         carries, wanted = self._link.carries, self._wanted(now_ns)
-        if carries is None or not wanted or carries * USED >= sum(wanted.values()):
-            return None
-        return narrow_link(carries, sum(wanted.values()), self._full, [self._settings[name] for name in wanted])
+        needs = sum(wanted.values())
+        if carries is not None and carries * USED < needs:
+            narrow = narrow_link(carries, needs, self._full, [self._settings[name] for name in wanted])
+            if narrow is not None:
+                return narrow
+        if (busy := self._hosts.busy(now_ns)) is not None:
+            return busy_host(*busy, needs)
+        fps = self._page.fps
+        return slow_page(fps, self._full.fps, needs) if fps is not None and fps < FEW * self._full.fps else None
 
     def _follow(self, session: int, now_ns: int) -> bool:
         """Whether this console counts; the first report of a new one takes over."""
@@ -165,6 +135,7 @@ class Adaptation:
         """Reset for another console, or for none."""
         self._console = console
         self._link, self._page, self._way_back = LinkRate(), PageRate(), Least()
+        self._hosts = BusyHosts()
         self._newest_told_ns = 0
         self._choice = self._new_choice()
         self._settings = dict.fromkeys(self._sent, replace(self._full, codec=self._choice.codec))

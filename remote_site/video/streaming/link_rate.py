@@ -26,10 +26,10 @@ DRAINED_MS = 300.0
 LEAST_DRAINING = 0.05
 WINDOW_NS = 250 * NS_PER_MS  # and a round trip
 MOST_REPORTS = 256  # far more than come in that time from a clock that runs
-QUIET_NS = 3 * NS_PER_S
+QUIET_NS = 2 * NS_PER_S
 GROWTH_PER_S = 1.6
 CAUTIOUS_GROWTH_PER_S = 1.03  # near the rate at which it was full twice; more quality is worth no late pictures
-GROWTH_BEYOND_PER_S = 6.0
+GROWTH_BEYOND_PER_S = 8.0
 KNOWN = 2.0  # times what it carries now: nothing shows that a link carries more
 BEYOND = 1.5  # more comes than when it was full: the link has changed, find out quickly
 ENOUGH = 1.1
@@ -85,7 +85,8 @@ class LinkRate:
     One principle, that of delay-based congestion control (LEDBAT, RFC 6817; GCC, draft-ietf-rmcat-gcc-02; BBR): a
     queue is what a picture takes beyond the least of the last twenty seconds, however long the way itself is. While
     there is one, what comes is what the link carries; and before anything waits, a link holds that rate times its
-    least round trip. Pictures that are held back, because earlier ones wait in this host, are such a queue too.
+    least round trip. Pictures that are held back, because earlier ones wait in this host, are such a queue too. What
+    they have waited for a processor of either host is none: there a link seems full that carries all.
 
     The link is full when pictures have been late for longer than a pause of TCP (BBR measures the round trip every ten
     seconds: 200 ms and two round trips) and less comes than is sent, or when they have been late for some time without
@@ -93,7 +94,7 @@ class LinkRate:
     has become longer, and the least is taken anew. Meanwhile `draining` is the fraction of the budget that empties the
     link, at once and without a judgement.
 
-    While nothing is late it is unknown whether the link carries more; after three quiet seconds a little more is tried,
+    While nothing is late it is unknown whether the link carries more; after two quiet seconds a little more is tried,
     until all fits or pictures are late again. `full_ns` is when they were last late.
     """
 
@@ -121,8 +122,8 @@ class LinkRate:
         while self._reports[0][0] < now_ns - WINDOW_NS - round_trip_ns:
             self._reports.popleft()
         if self.is_opening:
-            self._open(before_ms - arrivals.delay_ms, arrivals.round_trip_ms, now_ns)
-        queue_ms = max(arrivals.delay_ms - delay_ms, arrivals.overdue_ms - round_trip_ms)
+            self._open(before_ms - arrivals.delay_ms - arrivals.waited_ms, arrivals.round_trip_ms, now_ns)
+        queue_ms = max(arrivals.delay_ms - delay_ms, arrivals.overdue_ms - round_trip_ms) - arrivals.waited_ms
         late_ns = self._lateness.see(now_ns, late=queue_ms > LATE_MS, held_back=arrivals.held_back)
         if late_ns is None:
             self._reduced_ns = None

@@ -21,7 +21,8 @@ class Arrivals:
     Since the last report `sent_bytes` went out and `carried_bytes` came; `waiting_bytes` are still on their way.
     `delay_ms` is what the newest that came took from here to the console, and `round_trip_ms` what passed from sending
     it to the report; `overdue_ms` has passed since the oldest that has not come was sent, 0 without one. `held_back` is
-    whether pictures were left out because earlier ones still waited in this host; they count as sent.
+    whether pictures were left out because earlier ones still waited in this host; they count as sent. Of the times,
+    `waited_ms` may have been spent waiting for a processor: that is no queue of the link.
     """
 
     sent_bytes: int
@@ -31,6 +32,7 @@ class Arrivals:
     round_trip_ms: float
     overdue_ms: float
     held_back: bool = False
+    waited_ms: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +120,11 @@ class SentPictures:
         return came_fps / passed if came_fps < ALL_CAME * passed else 1.0
 
 
-def together(arrivals: Sequence[Arrivals]) -> Arrivals:
-    """All cameras as one: sums of bytes, medians of times, so that one late camera is not a late link."""
+def together(arrivals: Sequence[Arrivals], waited_ms: float = 0.0) -> Arrivals:
+    """All cameras as one: sums of bytes, medians of times, so that one late camera is not a late link.
+
+    `waited_ms` is for how long the hosts have lately kept the pictures waiting for a processor.
+    """
     return Arrivals(
         sum(one.sent_bytes for one in arrivals),
         sum(one.carried_bytes for one in arrivals),
@@ -128,4 +133,5 @@ def together(arrivals: Sequence[Arrivals]) -> Arrivals:
         statistics.median(one.round_trip_ms for one in arrivals),
         statistics.median(one.overdue_ms for one in arrivals),
         any(one.held_back for one in arrivals),
+        waited_ms,
     )

@@ -3,7 +3,7 @@
 from structlog.testing import capture_logs
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages.robot import HandLink, VideoLink
+from common.messages.robot import HandLink, VideoLink, VideoTrouble
 from common.process.link_log import LinkLog
 
 GOOD = HandLink(
@@ -40,6 +40,14 @@ def test_what_lasts_is_repeated_each_minute_and_links_are_told_apart() -> None:
             log.note(OLD, NARROW, k * NS_PER_S)
     assert [line["event"] for line in lines] == ["link of the hand", "link of the pictures"] * 2
     assert (lines[1]["carries_mbit_s"], lines[1]["needs_mbit_s"]) == (1.8, 31.0)
+
+
+def test_a_full_processor_is_logged_under_its_own_code() -> None:
+    log, busy = LinkLog(), VideoLink(carries_mbit_s=31.0, needs_mbit_s=31.0, reason="r", code=VideoTrouble.BUSY_HOST)
+    with capture_logs() as lines:
+        log.note(None, NARROW, 0)
+        log.note(None, busy, 10 * NS_PER_S)
+    assert [line["code"] for line in lines] == ["narrow", "busy_host"]
 
 
 def test_nothing_is_logged_of_good_links() -> None:

@@ -115,7 +115,7 @@ def test_each_camera_has_its_rate_and_its_trouble():
 
 def test_a_narrow_link_of_the_pictures_is_told():
     narrow = VideoLink(carries_mbit_s=1.0, needs_mbit_s=8.0, reason="the link carries 1 of 8 Mbit/s")
-    assert rows(with_(golden.STATE, video_link=narrow))["pictures' link"].words == narrow.reason
+    assert rows(with_(golden.STATE, video_link=narrow))["pictures' way"].words == narrow.reason
 
 
 def test_nothing_that_a_site_says_acts_on_the_terminal():

@@ -25,9 +25,9 @@ def wall(*, of_table=False):
 
 
 def drawn(backdrop, camera, where=EVERYWHERE, *, of_table=False):
-    picture = np.full((HEIGHT, WIDTH, 3), GREEN, dtype=np.uint8)
+    picture = np.full((HEIGHT, WIDTH, 4), (*GREEN, 0), dtype=np.uint8)
     backdrop.draw(camera, picture, where, of_table=of_table)
-    return picture
+    return picture[:, :, 2::-1]
 
 
 def is_of(picture, colour):

@@ -106,6 +106,39 @@ def test_a_kept_background_shows_what_drawing_it_anew_shows(cell, renderer, name
 
 
 @pytest.mark.parametrize("name", VIEWS[:3])
+def test_what_is_drawn_anew_around_what_moves_is_all_that_has_moved(cell, renderer, name, monkeypatch):
+    view, chance = renderer.view_id(name), np.random.default_rng(1)
+    postures = [posture(cell) for _ in range(6)]
+    for qpos in postures:
+        qpos[cell.arm] += chance.uniform(-1.5, 1.5, len(cell.joints))
+        qpos[-7:-4] += chance.uniform(-0.3, 0.3, 3)  # the block
+    around = [renderer.render(view, qpos).astype(int) for qpos in postures]
+    monkeypatch.setattr(renderer, "_where_things_move", lambda _view: renderer._whole)
+    for picture, qpos in zip(around, postures, strict=True):
+        apart = np.abs(picture - renderer.render(view, qpos).astype(int)).max(axis=2) > 8
+        assert apart.sum() < 20, "pixels at edges alone, which are drawn from another corner"
+
+
+@pytest.mark.usefixtures("renderer")
+def test_what_has_not_moved_is_not_drawn_again(cell, monkeypatch):
+    record, drawn = SharedRecord(snapshot_dtype(6)), []
+    camera = open_cell_cameras(["side"], cell, record, VIDEO)[0]
+
+    def render(view, _qpos):
+        drawn.append(view)
+        return np.zeros((9, 9, 3), np.uint8)
+
+    monkeypatch.setattr(camera._renderer, "render", render)
+    snapshot = np.zeros((), record.dtype)
+    for k, turned in enumerate((0.0, 1e-6, 1e-3, 1e-3)):
+        snapshot[()] = (1_000_000 * (k + 1), posture(cell, turned))
+        record.write(snapshot)
+        assert camera.newest().capture_ns == 1_000_000 * (k + 1)
+    camera.close()
+    assert len(drawn) == 2
+
+
+@pytest.mark.parametrize("name", VIEWS[:3])
 def test_a_picture_is_as_hard_to_compress_as_one_of_a_real_cell(cell, name):
     renderer = CellRenderer(cell, 640, 480)
     picture = renderer.render(renderer.view_id(name), posture(cell))

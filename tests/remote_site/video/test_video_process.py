@@ -27,6 +27,7 @@ from remote_site.video import process, sources
 from remote_site.video.config import CameraConfig, VideoConfig
 from remote_site.video.process import LeaseInForce, VideoTally, VideoWire, run_video
 from remote_site.video.sources import ThreadedCamera
+from remote_site.video.streaming.adaptation import Adaptation
 from tests.common.cameras.losing_camera import LOST, LosingCamera
 
 SIMULATED_RUN = """
@@ -277,6 +278,20 @@ def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
     )
     assert console.seen[0].width == 32
     assert console.seen[-1].width < 32
+
+
+def test_the_adaptation_is_told_for_how_long_this_process_has_waited_for_its_processor():
+    waits = []
+
+    class Told(Adaptation):
+        def wait(self, waited_ms):
+            waits.append(waited_ms)
+
+    console = process._Console(VideoWire(list), Told(VideoConfig(), h264=False))
+    for now_ns, queued_ns in ((1_000_000_000, 7), (1_100_000_000, 90_000_007), (1_200_000_000, 90_000_007)):
+        console.wait.turn(queued_ns, now_ns)
+        console.listen(now_ns)
+    assert waits == [0.0, 90.0, 90.0]
 
 
 @pytest.mark.parametrize(("lease", "operator"), [(40, "anna"), (41, "ben")])

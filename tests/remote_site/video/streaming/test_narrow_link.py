@@ -32,9 +32,8 @@ def test_the_sentence_names_both_rates_and_what_is_sent_instead():
     sent = [StreamSetting(40, 0.5, 10.0), StreamSetting(60, 0.75, 30.0)] * 2
     narrow = narrow_link(1.84 * MBIT, 31.2 * MBIT, FULL, sent)
     assert narrow.reason.startswith(
-        "1.8 Mbit/s of pictures arrive; the four views need about 31 Mbit/s at quality 80, full size, 30 "
-        "fps: they are sent at quality 40, 50% of the size, 10 fps. The link is too narrow, or a host overloaded. "
-        "Cure: "
+        "the link carries 1.8 Mbit/s of pictures; the four views need about 31 Mbit/s at quality 80, full size, 30 "
+        "fps: they are sent at quality 40, 50% of the size, 10 fps. Cure: "
     )
     assert len(narrow.reason) < 400
     assert "the view needs about 31 Mbit/s" in narrow_link(1.84 * MBIT, 31.2 * MBIT, FULL, sent[:1]).reason
