@@ -81,7 +81,7 @@ def test_one_machine_that_has_too_much_to_do_is_not_called_a_narrow_link(told: T
 )
 def test_who_is_slow_is_said_on_the_picture(apart: Told, code: VideoTrouble, words: str) -> None:
     video = VideoLink(carries_mbit_s=5.0, needs_mbit_s=15.0, reason="it is slow", code=code)
-    apart.state = partial(scene.state, SessionState.ENGAGED, video_link=video)
+    apart.state = partial(scene.state, SessionState.ENGAGED, "ok", "following", video_link=video)
     apart.until("why", lambda: apart.page.page.inner_text("[data-name=front_high] .trouble") == words)
 
 
