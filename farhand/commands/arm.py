@@ -9,12 +9,15 @@ import typer
 from common.errors import ConfigError
 from farhand.terminal import progress_bar, say
 
-arm_app = typer.Typer(help="Bring in another arm.", no_args_is_help=True)
+arm_app = typer.Typer(no_args_is_help=True)
 
 
 @arm_app.callback()
 def arm() -> None:
-    """Bring in another arm."""
+    """Bring in another arm.
+
+    Example: farhand arm import panda.urdf
+    """
 
 
 @arm_app.command("import")

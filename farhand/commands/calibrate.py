@@ -27,7 +27,10 @@ CameraConfigFile = Annotated[
 ]
 FoundPictures = Annotated[Path | None, typer.Option(help="Folder for what was found and covered, as PNG.")]
 
-calibrate_app = typer.Typer(help="Compute a rig from measurements.", no_args_is_help=True)
+calibrate_app = typer.Typer(
+    help="Compute a rig from measurements.\n\nExample: farhand calibrate points control_points.csv",
+    no_args_is_help=True,
+)
 
 
 @calibrate_app.command("points")
@@ -118,7 +121,7 @@ def calibrate_live_command(
 ) -> None:
     """Solve the cameras while a printed board is held still in one pose after another; Ctrl-C ends the taking early.
 
-    Example: farhand calibrate live --left 0 --right 1 --board charuco --squares 8x6 --square-mm 30 --marker-mm 22
+    Example: farhand calibrate live --left 0 --right 2 --board charuco --squares 8x6 --square-mm 30 --marker-mm 22
     """
     from farhand.calibration.boards import calibrate_live, make_board
     from farhand.calibration.cameras import configured_cameras

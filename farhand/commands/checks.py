@@ -9,7 +9,9 @@ from farhand.commands.options import ConfigFile, Emulate, Settings, driver_file,
 from farhand.exit_codes import FAILED, UNDECIDED
 from farhand.terminal import say
 
-driver_app = typer.Typer(help="List, begin and check robot drivers.", no_args_is_help=True)
+driver_app = typer.Typer(
+    help="List, begin and check robot drivers.\n\nExample: farhand driver list", no_args_is_help=True
+)
 
 
 def doctor(

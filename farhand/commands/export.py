@@ -8,7 +8,10 @@ import typer
 from farhand.commands.options import until_signal
 from farhand.terminal import progress_bar, say
 
-export_app = typer.Typer(help="Turn recordings into data for others.", no_args_is_help=True)
+export_app = typer.Typer(
+    help="Turn recordings into data for others.\n\nExample: farhand export mp4 recordings/*.mcap --out videos",
+    no_args_is_help=True,
+)
 
 Sessions = Annotated[list[Path], typer.Argument(help="Recordings; the parts of a split one are joined.")]
 Folder = Annotated[Path, typer.Option(help="Folder to write into.")]

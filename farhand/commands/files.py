@@ -16,9 +16,17 @@ Hosts = Annotated[
     list[str] | None, typer.Option("--host", help="Name or address under which a site is reached; may be repeated.")
 ]
 
-config_app = typer.Typer(help="Print or write the configurations that Farhand ships.", no_args_is_help=True)
-models_app = typer.Typer(help="The hand models of the tracker `learned`.", no_args_is_help=True)
-certificates_app = typer.Typer(help="Make and renew the certificates that protect the links.", no_args_is_help=True)
+config_app = typer.Typer(
+    help="Print or write the configurations that Farhand ships.\n\nExample: farhand config init sites",
+    no_args_is_help=True,
+)
+models_app = typer.Typer(
+    help="The hand models of the tracker `learned`.\n\nExample: farhand models install", no_args_is_help=True
+)
+certificates_app = typer.Typer(
+    help="Make and renew the certificates that protect the links.\n\nExample: farhand certificates renew lab",
+    no_args_is_help=True,
+)
 
 
 @certificates_app.command("create")

@@ -27,8 +27,11 @@ if TYPE_CHECKING:
     from common.recording.repair import Repaired
 
 MB = 1_000_000
-record_app = typer.Typer(help="Record a cell, ask its recorder to begin or end, repair files.")
-episode_app = typer.Typer(help="Begin and end episodes of a recording, and say how they went.", no_args_is_help=True)
+record_app = typer.Typer()
+episode_app = typer.Typer(
+    help="Begin and end episodes of a recording, and say how they went.\n\nExample: farhand episode begin",
+    no_args_is_help=True,
+)
 
 Task = Annotated[str, typer.Option(help="What is to be done, as a sentence; it stays until another is given.")]
 Note = Annotated[str, typer.Option(help="A note about the episode.")]
@@ -45,6 +48,8 @@ def record(
     log_format: LogLines = LogFormat.TEXT,
 ) -> None:
     """Record the site of this host whose configuration it is given, until Ctrl-C or SIGTERM.
+
+    Its commands ask recorders that run already to begin or end, and repair files.
 
     Example: farhand record --config remote.toml --out recordings
     """

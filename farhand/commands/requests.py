@@ -17,9 +17,13 @@ if TYPE_CHECKING:
 OperatorName = Annotated[str, typer.Option("--operator", help="The operator's name, where it is not this host's.")]
 
 lease_app = typer.Typer(
-    help="Show who may operate a cell; take the lease, hand it over, release it.", no_args_is_help=True
+    help="Show who may operate a cell; take the lease, hand it over, release it.\n\nExample: farhand lease show",
+    no_args_is_help=True,
 )
-maintenance_app = typer.Typer(help="Stop and reset the arm, without holding the lease.", no_args_is_help=True)
+maintenance_app = typer.Typer(
+    help="Stop and reset the arm, without holding the lease.\n\nExample: farhand maintenance reset",
+    no_args_is_help=True,
+)
 
 
 def engage(

@@ -10,7 +10,9 @@ from common.errors import ConfigError
 from farhand.commands.options import ConfigFile, Settings, load_own, until_signal
 from farhand.terminal import say
 
-teach_app = typer.Typer(help="Do a task by hand once, and run it again.", no_args_is_help=True)
+teach_app = typer.Typer(
+    help="Do a task by hand once, and run it again.\n\nExample: farhand teach show task.toml", no_args_is_help=True
+)
 
 TaskPath = Annotated[Path, typer.Argument(help="The task file.")]
 Frame = Annotated[

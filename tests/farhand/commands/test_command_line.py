@@ -51,53 +51,6 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
 
 
 @pytest.mark.parametrize(
-    "command",
-    [
-        [],
-        ["local"],
-        ["remote"],
-        ["status"],
-        ["engage"],
-        ["disengage"],
-        ["reset"],
-        ["stop"],
-        ["lease"],
-        ["lease", "show"],
-        ["lease", "take"],
-        ["lease", "give"],
-        ["lease", "release"],
-        ["loopback"],
-        ["doctor"],
-        ["limits"],
-        ["maintenance", "stop"],
-        ["certificates", "create"],
-        ["certificates", "renew"],
-        ["track"],
-        ["setup"],
-        ["calibrate"],
-        ["calibrate", "points"],
-        ["calibrate", "images"],
-        ["calibrate", "live"],
-        ["calibrate", "latency"],
-        ["config", "show"],
-        ["config", "init"],
-        ["driver", "list"],
-        ["driver", "test"],
-        ["maintenance", "reset"],
-        ["router"],
-        ["experiment"],
-        ["console"],
-    ],
-)
-def test_every_command_has_help(command: list[str], here) -> None:
-    done = here(*command, "--help")
-    assert done.returncode == 0
-    assert "Usage" in done.stdout
-    if command and command not in (["calibrate"], ["lease"]):
-        assert "Example: farhand" in done.stdout
-
-
-@pytest.mark.parametrize(
     ("arguments", "code", "words"),
     [
         (["remote", "--set", "driver.nme=x"], 2, "did you mean name?"),
