@@ -3,8 +3,9 @@
 import time
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import TransportError
 from common.link.channels import OPERATE
 from common.link.config import ON_THIS_HOST, LinkSecurity
@@ -17,10 +18,10 @@ from local_site.authority.lease_policy import KEEP_ASKING_NS
 TAKE_AGAIN_S = 1.0
 
 
-def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> list[str]:
-    """Lines: who holds the lease, how long it still lasts, who asks for it, how accurately the clocks are known."""
+def seen_state(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> RobotState:
+    """The remote site's newest state; TransportError when it publishes none."""
     with link_to(cell, endpoint, security=security) as link:
-        return describe_lease(newest_state(link, cell))
+        return newest_state(link, cell)
 
 
 def describe_lease(state: RobotState) -> list[str]:
@@ -38,6 +39,22 @@ def describe_lease(state: RobotState) -> list[str]:
             f"sure to {state.clock.uncertainty_ns / 1e6:.3f} ms"
         )
     return [*words, ready]
+
+
+def lease_builtins(state: RobotState) -> dict[str, Any]:
+    """The same for programs; None for what there is not."""
+    lease, clock, readiness = state.lease, state.clock, state.readiness
+    asked_by = lease.asked_by if lease is not None else None
+    return {
+        "holder": None if lease is None else str(lease),
+        "expires_in_s": None if lease is None else (lease.expires_ns - state.t_ns) / NS_PER_S,
+        "asked_by": None if asked_by is None else str(asked_by),
+        "clock_offset_ms": None if clock is None else clock.remote_minus_local_ns / NS_PER_MS,
+        "clock_uncertainty_ms": None if clock is None else clock.uncertainty_ns / NS_PER_MS,
+        "ready": readiness.ready,
+        "code": readiness.code,
+        "reason": readiness.reason,
+    }
 
 
 def find_asker(cell: str, endpoint: str, name: str, security: LinkSecurity = ON_THIS_HOST) -> Asker:

@@ -24,6 +24,7 @@ ConfigFile = Annotated[
 ]
 Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value; repeatable.")]
 LogLines = Annotated[LogFormat, typer.Option("--log-format", help="text (level=... event=...) or json, on stderr.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON, as docs/json.md describes it.")]
 Emulate = Annotated[
     bool,
     typer.Option(

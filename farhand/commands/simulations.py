@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.options import TRACKER_HELP, Emulate, Settings, emulation, until_signal
+from farhand.commands.options import TRACKER_HELP, AsJson, Emulate, Settings, emulation, until_signal
+from farhand.terminal import tell
 from local_site.tracking.config import Method
 
 
@@ -32,6 +33,7 @@ def loopback(
     emulate: Emulate = False,
     save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
     record: Annotated[Path | None, typer.Option(help="Record the run into this new MCAP file.")] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Run both sites on this machine against a simulated operator and a simulated cell, and measure.
 
@@ -46,7 +48,7 @@ def loopback(
     files = tuple(file for each in config or () for file in configuration_files(each))
     given = files, (*(settings or ()), *emulation(emulate))
     options = LoopbackOptions(seconds, report, driver, motion, tracker, arm, save_views, headless, record, *given)
-    run_loopback(options, until_signal())
+    run_loopback(options, until_signal(), as_json=as_json)
 
 
 def experiment(
@@ -58,6 +60,7 @@ def experiment(
     ],
     out: Annotated[Path, typer.Option(help="Folder for report, plots and data; other files in it stay.")],
     quick: Annotated[bool, typer.Option("--quick", help="A short motion, to see that it works.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Run an experiment on the simulated operator and write report.html, report.json, plots (PNG) and data (CSV).
 
@@ -65,4 +68,5 @@ def experiment(
     """
     from farhand.experiments.run import run_experiment
 
-    typer.echo(run_experiment(name, out, quick, until_signal()))
+    summary = run_experiment(name, out, quick, until_signal())
+    tell(summary.splitlines(), {"folder": out, "summary": summary}, as_json=as_json)

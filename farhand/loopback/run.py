@@ -28,6 +28,7 @@ from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import SiteProcess, listens, start_site
 from farhand.loopback.slowness import too_slow
 from farhand.outputs import check_file, check_folder
+from farhand.terminal import tell
 from farhand.tracking.run import prepare_tracker
 from local_site.acquisition.simulated_cameras import Beginning
 from local_site.simulation.operator import Operator as SimulatedOperator
@@ -256,11 +257,11 @@ def run_figures(record: Record, operator: LoopbackOperator, remote: RemoteConfig
     }
 
 
-def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
-    """Run, print the table, write report and views; ProcessError when a site dies or the arm does not follow.
+def run_loopback(options: LoopbackOptions, should_stop: StopFlag, *, as_json: bool = False) -> None:
+    """Run, print, write report and views; ProcessError when a site dies or the arm does not follow.
 
-    The table is printed once the arm has followed, also where a site has died since. InterruptionError, with what was
-    measured printed and written, when a person ended a run before its time.
+    The figures are printed, as a table or as JSON, once the arm has followed, also where a site has died since.
+    InterruptionError, with what was measured printed and written, when a person ended a run before its time.
     """
     if options.report is not None:
         check_file("--report", options.report)
@@ -274,7 +275,10 @@ def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
         failure = explained(error, views_are_simulated=loop.views_are_simulated)
         slow = loop.slowness() if failure is error else None
         raise (ProcessError(f"{failure}\n{slow}") if slow else failure) from error
-    print_table(figures, Console())
+    if as_json:
+        tell((), figures, as_json=True)
+    else:
+        print_table(figures, Console())
     if options.report is not None:
         write_report(options.report, figures)
     if options.save_views is not None:

@@ -22,8 +22,8 @@ from common.process.service import StopFlag
 from farhand.authority.asking import link_to
 from farhand.status.observed import OVER_NS, Observed
 from farhand.status.screen import as_lines, screen
-from farhand.status.words import rows_of
-from farhand.terminal import say
+from farhand.status.words import as_builtins, rows_of
+from farhand.terminal import say, tell
 from local_site.console.config import ConsoleConfig
 
 M = TypeVar("M", bound=Message)
@@ -108,6 +108,16 @@ def show_status(config: ConsoleConfig, should_stop: StopFlag, console: Console, 
             _show_live(watch, should_stop, console, pictures=pictures)
 
 
+def print_status(config: ConsoleConfig, should_stop: StopFlag, *, pictures: bool) -> None:
+    """Print the status once, as JSON; errors as `show_status`."""
+    with ExitStack() as stack:
+        watch = StatusWatch(config, stack)
+        _await_state(watch, should_stop, pictures=pictures)
+        _count(watch, should_stop, pictures=pictures)
+        if (state := watch.seen.state) is not None:
+            tell((), as_builtins(watch.seen, state, time.monotonic_ns(), version("farhand")), as_json=True)
+
+
 def _await_state(watch: StatusWatch, should_stop: StopFlag, *, pictures: bool) -> None:
     deadline = time.monotonic() + PATIENCE_S
     while watch.seen.state is None:
@@ -124,12 +134,16 @@ def _await_state(watch: StatusWatch, should_stop: StopFlag, *, pictures: bool) -
         should_stop.wait(REFRESH_S)
 
 
-def _show_once(watch: StatusWatch, should_stop: StopFlag, console: Console, *, pictures: bool) -> None:
-    """After as long as rates are measured over."""
+def _count(watch: StatusWatch, should_stop: StopFlag, *, pictures: bool) -> None:
+    """Watch for as long as rates are measured over."""
     deadline_ns = time.monotonic_ns() + OVER_NS
     while time.monotonic_ns() < deadline_ns and not should_stop():
         watch.measure(pictures=pictures)
         should_stop.wait(REFRESH_S)
+
+
+def _show_once(watch: StatusWatch, should_stop: StopFlag, console: Console, *, pictures: bool) -> None:
+    _count(watch, should_stop, pictures=pictures)
     state = watch.seen.state
     if state is None:
         return

@@ -10,7 +10,6 @@ from rich.console import Console
 
 from common.errors import ConfigError, FarhandError, RefusedError, TransportError
 from common.geometry import Array
-from farhand.authority.lease import describe_lease
 from farhand.cli import main
 from farhand.doctor.findings import as_text, warning
 from farhand.loopback.display import LiveSummary, print_table
@@ -77,11 +76,11 @@ def test_a_refusal_is_one_harmless_line(
 def test_a_driver_under_test_says_harmless_lines(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def test_driver(config: object, report: Callable[[str], None], should_stop: object) -> list[Verdict]:
+    def test_driver(config: object, report: Callable[[str], None], should_stop: object) -> dict[str, Verdict]:
         assert config is not None
         assert should_stop is not None
         report(SAID)
-        return [Verdict.PASSED]
+        return {"rests": Verdict.PASSED}
 
     monkeypatch.setattr("remote_site.runtime.conformance.test_driver", test_driver)
     run(("driver", "test", "kinematic"), monkeypatch)
@@ -92,7 +91,7 @@ def test_the_lease_is_shown_a_line_for_each_fact(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     spoken = replace(STATE, readiness=replace(STATE.readiness, reason=SAID))
-    monkeypatch.setattr("farhand.authority.lease.show_lease", lambda *_: describe_lease(spoken))
+    monkeypatch.setattr("farhand.authority.lease.seen_state", lambda *_: spoken)
     run(("lease", "show"), monkeypatch)
     assert capsys.readouterr().out.splitlines()[-1].endswith(SHOWN)
 
