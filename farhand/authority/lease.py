@@ -12,7 +12,7 @@ from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.request_client import RequestClient
 from common.messages.requests import SILENT, WAITING, OperatorAction, OperatorRequest
 from common.messages.robot import Asker, RobotState
-from farhand.authority.asking import link_to, newest_state
+from farhand.authority.asking import link_to, local_at, newest_state, remote_at
 from local_site.authority.lease_policy import KEEP_ASKING_NS
 
 TAKE_AGAIN_S = 1.0
@@ -20,7 +20,7 @@ TAKE_AGAIN_S = 1.0
 
 def seen_state(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> RobotState:
     """The remote site's newest state; TransportError when it publishes none."""
-    with link_to(cell, endpoint, security=security) as link:
+    with link_to(cell, remote_at(endpoint), security=security) as link:
         return newest_state(link, cell)
 
 
@@ -59,7 +59,7 @@ def lease_builtins(state: RobotState) -> dict[str, Any]:
 
 def find_asker(cell: str, endpoint: str, name: str, security: LinkSecurity = ON_THIS_HOST) -> Asker:
     """The operator of this name who asks for the lease at the remote site; TransportError when that is not who asks."""
-    with link_to(cell, endpoint, security=security) as link:
+    with link_to(cell, remote_at(endpoint), security=security) as link:
         lease = newest_state(link, cell).lease
     asker = lease.asked_by if lease is not None else None
     if asker is None or asker.name != name:
@@ -79,7 +79,7 @@ def act_on_lease(
 
     `to` is who asks for the lease that is handed over.
     """
-    with link_to(cell, endpoint, security=security) as link:
+    with link_to(cell, local_at(endpoint), security=security) as link:
         client = RequestClient(link, cell, operator=operator)
         reply = client.ask(OPERATE, partial(OperatorRequest, action=action, to=to))
     if not reply.done:
@@ -95,7 +95,7 @@ def take_lease(
     `tell` gets whom it waits for. TransportError when it is refused, or nobody consents.
     """
     told, give_up_ns = "", time.monotonic_ns() + KEEP_ASKING_NS
-    with link_to(cell, endpoint, security=security) as link:
+    with link_to(cell, local_at(endpoint), security=security) as link:
         client = RequestClient(link, cell, operator=operator)
         while True:
             reply = client.ask(OPERATE, partial(OperatorRequest, action=OperatorAction.TAKE))

@@ -19,7 +19,7 @@ from common.link.transport import Link, open_link
 from common.messages.base import Message
 from common.messages.requests import DescribeQuestion
 from common.process.service import StopFlag
-from farhand.authority.asking import link_to
+from farhand.authority.asking import link_to, no_answer, remote_at
 from farhand.status.observed import OVER_NS, Observed
 from farhand.status.screen import as_lines, screen
 from farhand.status.words import as_builtins, rows_of
@@ -41,7 +41,8 @@ class StatusWatch:
         self._config, self._stack = config, stack
         self._threads: list[threading.Thread] = []
         stack.callback(self._join)  # once the links are closed
-        self._control = control = stack.enter_context(link_to(config.cell, config.links.control, security=config.links))
+        asked = remote_at(config.links.control)
+        self._control = control = stack.enter_context(link_to(config.cell, asked, security=config.links))
         self._clock = RemoteClock(control, config.cell)
         self._video: Link | None = None
         self._counts = False
@@ -125,11 +126,7 @@ def _await_state(watch: StatusWatch, should_stop: StopFlag, *, pictures: bool) -
             raise InterruptionError("interrupted")
         if time.monotonic() > deadline:
             seen = watch.seen
-            raise TransportError(
-                f"no site of cell {seen.cell} answers at {seen.endpoint}: check that 'farhand remote' runs there, and "
-                "that --cell and --remote, or links.control of --config, name it; 'farhand doctor --config FILE' looks "
-                "at the rest"
-            )
+            raise TransportError(no_answer(f"cell {seen.cell}", remote_at(seen.endpoint)))
         watch.measure(pictures=pictures)
         should_stop.wait(REFRESH_S)
 
