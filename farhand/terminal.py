@@ -55,7 +55,7 @@ def table_of(head: Sequence[str], rows: Iterable[Sequence[str]]) -> Table:
     return table
 
 
-def print_table(table: Table) -> None:
+def show_table(table: Table) -> None:
     """Print a table as wide as the terminal, or a line for each row where the output is none."""
     console = Console()
     (console if console.is_terminal else Console(width=UNLIMITED)).print(table)

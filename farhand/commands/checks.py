@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from farhand.commands.completion import driver_names
 from farhand.commands.options import (
     AsJson,
     ConfigFile,
@@ -16,7 +17,7 @@ from farhand.commands.options import (
     until_signal,
 )
 from farhand.exit_codes import FAILED, UNDECIDED
-from farhand.terminal import aside, print_table, say, table_of, tell
+from farhand.terminal import aside, say, show_table, table_of, tell
 
 driver_app = typer.Typer(
     help="List, begin and check robot drivers.\n\nExample: farhand driver list", no_args_is_help=True
@@ -76,7 +77,7 @@ def limits(
     else:
         for table in tables_of(report):
             say(table.title)
-            print_table(table_of(table.head, table.rows))
+            show_table(table_of(table.head, table.rows))
     check_stops(bounds, loaded.robot.speed, loaded.safety.longest_stop_ms)
 
 
@@ -111,7 +112,7 @@ def new_driver(
 
 @driver_app.command("test")
 def run_suite(
-    name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.")],
+    name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.", autocompletion=driver_names)],
     config: ConfigFile = None,
     settings: Settings = None,
     emulate: Emulate = False,

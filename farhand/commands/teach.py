@@ -8,7 +8,7 @@ import typer
 
 from common.errors import ConfigError
 from farhand.commands.options import AsJson, ConfigFile, Settings, load_own, until_signal
-from farhand.terminal import print_table, tell
+from farhand.terminal import show_table, tell
 
 teach_app = typer.Typer(
     help="Do a task by hand once, and run it again.\n\nExample: farhand teach show task.toml", no_args_is_help=True
@@ -73,7 +73,7 @@ def show(
     if as_json:
         tell((), as_builtins(task), as_json=True)
     else:
-        print_table(as_table(task))
+        show_table(as_table(task))
 
 
 @teach_app.command("run")
