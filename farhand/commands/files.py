@@ -1,6 +1,5 @@
-"""The commands that write the files of a site: under `farhand config`, `farhand certificates` and `farhand models`."""
+"""The commands under `farhand certificates` and `farhand models`: files that a site needs besides its own."""
 
-import tomllib
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -20,10 +19,6 @@ Hosts = Annotated[
     list[str] | None, typer.Option("--host", help="Name or address under which a site is reached; may be repeated.")
 ]
 
-config_app = typer.Typer(
-    help="Print or write the configurations that Farhand ships.\n\nExample: farhand config init sites",
-    no_args_is_help=True,
-)
 models_app = typer.Typer(
     help="The hand models of the tracker `learned`.\n\nExample: farhand models install", no_args_is_help=True
 )
@@ -150,41 +145,3 @@ def install_command(
 def _pairs(made: Sequence[Path]) -> str:
     """Certificates and keys, in words."""
     return f"{', '.join(map(str, made))}, and {'its key' if len(made) == 1 else 'their keys'}"
-
-
-@config_app.command("show")
-def show(
-    name: Annotated[
-        str,
-        typer.Argument(
-            help="remote, remote-assist, remote-thesis, local, local-cameras, local-thesis, console or router."
-        ),
-    ],
-    as_json: AsJson = False,
-) -> None:
-    """Print a configuration with every key explained; redirect it to a file to begin one of your own.
-
-    Example: farhand config show remote > remote.toml
-    """
-    from farhand.deployment.shipped import read_configuration
-
-    text = read_configuration(name)
-    if as_json:
-        tell((), {"name": name, "configuration": tomllib.loads(text)}, as_json=True)
-    else:
-        typer.echo(text, nl=False)
-
-
-@config_app.command("init")
-def init(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write to; created if missing.")],
-    as_json: AsJson = False,
-) -> None:
-    """Write every configuration and the systemd units to a folder; a file that exists is kept.
-
-    Example: farhand config init my-cell
-    """
-    from farhand.deployment.shipped import in_words, write_all
-
-    files = write_all(folder)
-    tell(in_words(files), {"written": files.written, "kept": files.kept}, as_json=as_json)

@@ -4,10 +4,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from common.errors import ConfigError
+from farhand.deployment.schemas import schema_files
 from farhand.outputs import make_folder, write_result
 
 HERE = Path(__file__).parent
 NAMES = tuple(sorted(path.stem for path in (HERE / "sites").glob("*.toml")))
+SCHEMAS = "schemas"  # the folder beside a configuration, as its first line names it
 FOR_UNITS = "the units run /opt/farhand/.venv/bin/farhand with /etc/farhand/NAME.toml: edit ExecStart for other folders"
 
 
@@ -38,20 +40,21 @@ def in_words(files: WrittenFiles) -> list[str]:
 
 
 def write_all(folder: Path) -> WrittenFiles:
-    """Write DIR/NAME.toml and DIR/systemd/*.service where no such file exists.
+    """Write DIR/NAME.toml, the schemas that these name, and DIR/systemd/*.service where no such file exists.
 
     ConfigError when the folder cannot be written.
     """
     units = folder / "systemd"
-    for made in (folder, units):
+    for made in (folder, folder / SCHEMAS, units):
         make_folder("DIR", made)
-    targets = {path: folder / path.name for path in sorted((HERE / "sites").glob("*.toml"))}
-    targets |= {path: units / path.name for path in sorted((HERE / "systemd").glob("*.service"))}
+    targets = {folder / path.name: path.read_bytes() for path in sorted((HERE / "sites").glob("*.toml"))}
+    targets |= schema_files(folder / SCHEMAS)
+    targets |= {units / path.name: path.read_bytes() for path in sorted((HERE / "systemd").glob("*.service"))}
     files = WrittenFiles([], [])
-    for source, target in targets.items():
+    for target, content in targets.items():
         if target.exists() or target.is_symlink():
             files.kept.append(target)
         else:
-            write_result(target, source.read_bytes())
+            write_result(target, content)
             files.written.append(target)
     return files

@@ -65,7 +65,7 @@ class _Loop:
     operator_views = ()
     failure = None
 
-    def __init__(self, options: LoopbackOptions, _: object) -> None:
+    def __init__(self, options: LoopbackOptions, *_: object) -> None:
         self._record = options.record
         self.record = Record()
 
@@ -180,6 +180,8 @@ PLAYS: dict[str, Play] = {
     "arm import": Play(["arm.urdf"], {"farhand.arm_import.run.import_arm": gives(["imported: arm.urdf"])}),
     "config show": Play(["remote"]),
     "config init": Play(["sites"]),
+    "config check": Play(["absent.toml"], code=1),
+    "config schema": Play(),
     "certificates create": Play(["lab"]),
     "certificates operator": Play(["lab", "ben"], before=CREATED),
     "certificates router": Play(["lab"], before=CREATED),
