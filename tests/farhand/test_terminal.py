@@ -1,5 +1,6 @@
 """What the other site, a driver or an operator says does nothing to the terminal of who reads it."""
 
+import re
 import sys
 from collections.abc import Callable
 from io import StringIO
@@ -122,6 +123,25 @@ def test_a_run_of_both_sites_shows_every_word_of_theirs(capsys: pytest.CaptureFi
     told = capsys.readouterr().err
     assert SHOWN in told
     assert not set(told) & set("\x1b\x07\u202e")
+
+
+def test_the_line_of_a_run_fits_a_terminal_with_its_bar_and_its_time(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("TTY_COMPATIBLE", "1")  # rich's word for a terminal
+    monkeypatch.setenv("TERM", "xterm")
+    record = Record()
+    record.states.append(replace(STATE, reason="the arm waits for the hand, " * 9))
+    record.hands.append(HAND)
+    with LiveSummary(30.0) as live:
+        live.show(4.0, record)
+    lines = [re.sub(r"\x1b\[[?\d;]*[A-Za-z]", "", line) for line in re.split(r"[\r\n]", capsys.readouterr().err)]
+    assert max(map(len, lines)) <= 80
+    last = [line for line in lines if line.strip()][-1]
+    assert last.startswith("engaged, hand tracked")
+    assert last.endswith("0:00:00")
+    assert "━" in last
 
 
 def test_a_bar_is_on_standard_error_and_nothing_is_where_no_work_was_shown(
