@@ -9,12 +9,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Generic, Literal, TypeVar, Union, get_args, get_origin
 
 import msgspec
 
 from common.errors import ConfigError, ConfigFileError
 from common.replaced_keys import REPLACED_KEYS
+from common.type_words import in_plain_words
 
 S = TypeVar("S", bound=msgspec.Struct)
 KeyPath = tuple[str, ...]
@@ -47,16 +48,56 @@ def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()
     A relative path that is marked `beside` is seen from the folder of `path`, and from nowhere else.
     Raises ConfigError with every mistake of the file and the settings, one per line: source, what is wrong, cure.
     """
+    read = read_config(struct, path, settings)
+    if read.config is None or read.mistakes:
+        raise ConfigError("\n".join(map(read.described, read.mistakes)))
+    return read.config
+
+
+@dataclass(frozen=True, slots=True)
+class ReadConfig(Generic[S]):
+    """A configuration that was read, None where there are mistakes, and how to say these, with their lines.
+
+    `usable` is the configuration, or what it would be without the keys that have mistakes.
+    """
+
+    config: S | None
+    usable: S | None
+    mistakes: Sequence[ConfigMistake]
+    described: Callable[[ConfigMistake], str]
+
+
+def read_config(
+    struct: type[S], path: Path | None, settings: Sequence[str] = (), *, finds_more: bool = False
+) -> ReadConfig[S]:
+    """Read as `load_config` does, with mistakes instead of an error where the file can be read at all.
+
+    `finds_more` also finds what is wrong where everything else is right: without the keys that have mistakes.
+    """
     table = read_tables(path)
     if path is not None:
         _take_from_beside(struct, table, path.parent)
     set_paths = {apply_setting(table, setting) for setting in settings}
     mistakes: list[ConfigMistake] = []
-    config = build(struct, table, (), mistakes)
-    if config is None or mistakes:
-        lines = _key_lines(_read(path)) if path is not None else {}
-        raise ConfigError("\n".join(_describe(m, path, lines, set_paths) for m in mistakes))
-    return config
+    usable = config = build(struct, table, (), mistakes)
+    if mistakes and finds_more:
+        more: list[ConfigMistake] = []
+        usable = build(struct, _without([mistake.path for mistake in mistakes], table), (), more)
+        wrong = {mistake.path[:length] for mistake in mistakes for length in range(len(mistake.path))}
+        mistakes += [mistake for mistake in more if mistake not in mistakes and mistake.path not in wrong]
+    lines = _key_lines(_read(path)) if path is not None else {}
+    return ReadConfig(config, usable, mistakes, lambda mistake: _describe(mistake, path, lines, set_paths))
+
+
+def _without(paths: Iterable[KeyPath], table: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables without these keys; where one is within a list, without the list."""
+    rest = {
+        key: _without([path[1:] for path in paths if path[:1] == (key,)], value)
+        for key, value in table.items()
+        if isinstance(value, dict)
+    }
+    gone = {path[0] for path in paths if len(path) == 1 or (path and not isinstance(table.get(path[0]), dict))}
+    return {key: rest.get(key, value) for key, value in table.items() if key not in gone}
 
 
 def beside(unless: Callable[[str], bool]) -> dict[str, Any]:
@@ -170,7 +211,7 @@ def _cure(expected: Any, value: Any, error: str) -> str:
         number = " or give a number" if float in parts else " or give a whole number" if int in parts else ""
         return f"choose {'one of ' if len(choices) > 1 else ''}{', '.join(choices)}{number}"
     described = [note.description for note in getattr(expected, "__metadata__", ()) if note.description]
-    return f"give a {described[0]}" if "regex" in error and described else error.replace(" | null", "")
+    return f"give a {described[0]}" if "regex" in error and described else in_plain_words(error, value, *described[:1])
 
 
 def _parts(expected: Any) -> Iterator[Any]:

@@ -25,6 +25,14 @@ class TransportError(FarhandError):
     """A session cannot be opened, an endpoint is refused, or a request had no answer."""
 
 
+class SilenceError(TransportError):
+    """Nobody answers at a cell, named as `whom`; who opened the link adds where."""
+
+    def __init__(self, whom: str) -> None:
+        super().__init__(f"nobody answered at {whom}: is the site that is asked running?")
+        self.whom = whom
+
+
 class RefusedError(TransportError):
     """Both sides cannot or may not talk to each other; the text gives the reason."""
 

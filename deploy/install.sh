@@ -150,6 +150,8 @@ place_configuration() {
     fi
     run cp "$shipped" "$home/configuration/$name"
   done
+  # For editors: each file names its schema, as seen from its own folder.
+  run "$home/.venv/bin/python" -I -m farhand config schema --out "$configuration/schemas"
   keep_token
 }
 
@@ -208,6 +210,7 @@ remove_configuration() {
     if is_untouched "$name"; then run rm -f "$configuration/$name"; fi
     run rm -f "$configuration/$name.new"
   done
+  run rm -rf "$configuration/schemas"
 }
 
 # Whoever got its number next would own its keys and recordings.

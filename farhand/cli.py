@@ -14,8 +14,9 @@ from common.text import escaped
 from farhand.commands.arm import arm_app
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app, limits
+from farhand.commands.configurations import config_app
 from farhand.commands.export import export_app
-from farhand.commands.files import certificates_app, config_app, models_app
+from farhand.commands.files import certificates_app, models_app
 from farhand.commands.record import episode_app, record_app
 from farhand.commands.replay import replay
 from farhand.commands.requests import disengage, engage, lease_app, maintenance_app, reset_arm, stop_arm
@@ -30,7 +31,9 @@ from farhand.terminal import complain, say
 
 NO_SPACE = errno.ENOSPC, errno.EDQUOT
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(
+    no_args_is_help=True, pretty_exceptions_enable=False, context_settings={"help_option_names": ["-h", "--help"]}
+)
 
 
 def _print_version(asked: bool) -> None:
@@ -52,41 +55,41 @@ def farhand(
     """
 
 
-COMMANDS: dict[str, Callable[..., None]] = {
-    "setup": setup,
-    "loopback": loopback,
-    "local": local,
-    "remote": remote,
-    "console": console,
-    "router": router,
-    "status": status,
-    "engage": engage,
-    "disengage": disengage,
-    "reset": reset_arm,
-    "stop": stop_arm,
-    "replay": replay,
-    "track": track,
-    "experiment": experiment,
-    "doctor": doctor,
-    "limits": limits,
+PANELS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {  # in the order in which the help lists them
+    "Start": {"loopback": loopback, "remote": remote, "local": local, "console": console, "router": router},
+    "Operate": {
+        "status": status,
+        "engage": engage,
+        "disengage": disengage,
+        "stop": stop_arm,
+        "reset": reset_arm,
+        "lease": lease_app,
+    },
+    "Record": {
+        "track": track,
+        "replay": replay,
+        "record": record_app,
+        "episode": episode_app,
+        "export": export_app,
+        "teach": teach_app,
+    },
+    "Set up": {
+        "setup": setup,
+        "config": config_app,
+        "calibrate": calibrate_app,
+        "models": models_app,
+        "certificates": certificates_app,
+        "arm": arm_app,
+        "driver": driver_app,
+    },
+    "Maintain": {"doctor": doctor, "limits": limits, "experiment": experiment, "maintenance": maintenance_app},
 }
-for name, command in COMMANDS.items():
-    app.command(name)(command)
-for name, group in {
-    "arm": arm_app,
-    "lease": lease_app,
-    "maintenance": maintenance_app,
-    "record": record_app,
-    "episode": episode_app,
-    "calibrate": calibrate_app,
-    "certificates": certificates_app,
-    "config": config_app,
-    "models": models_app,
-    "driver": driver_app,
-    "export": export_app,
-    "teach": teach_app,
-}.items():
-    app.add_typer(group, name=name)
+for panel, commands in PANELS.items():
+    for name, command in commands.items():
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=name, rich_help_panel=panel)
+        else:
+            app.command(name, rich_help_panel=panel)(command)
 
 
 def main() -> None:

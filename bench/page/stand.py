@@ -46,6 +46,7 @@ class PageStand:
             f"links.remote={self._control}",
             f"links.listen={self._local}",
             "simulation.motion.name=figure_of_eight",
+            "simulation.motion.begins=at_once",
         )
         wait("the lease", lambda: self.record.states[-1].lease is not None)
         return process

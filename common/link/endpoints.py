@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from common.errors import TransportError
 from common.link.config import LinkSecurity
+from common.link.port_holders import why_not_bound
 
 ENDPOINT = re.compile(r"(tcp|tls|quic)/(\[[0-9a-fA-F:.]+\]|[A-Za-z0-9._-]+):(\d{1,5})")
 LAST_PORT = 65535
@@ -80,8 +81,8 @@ def check_free(endpoint: str, security: LinkSecurity) -> Endpoint:
             try:
                 probe.bind((checked.host, checked.port))
             except OSError as error:
-                why = f"cannot listen at {endpoint}: {error}; is the port taken by another site?"
-                raise TransportError(why) from error
+                why = why_not_bound(error, checked.port)
+                raise TransportError(f"cannot listen at {endpoint}: {why}") from error
     return checked
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Protocol, TypeVar
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
-from common.errors import TransportError
+from common.errors import SilenceError, TransportError
 from common.link.channels import ANY, Procedure
 from common.link.remote_clock import RemoteClock
 from common.link.transport import REQUEST_TIMEOUT_S, Link
@@ -113,7 +113,7 @@ class RequestClient:
             clock.sleep_until_ns(schedule.due_ns)
             now_ns = clock.now_ns()
             if schedule.is_over(now_ns):
-                raise TransportError(f"nobody answered at cell {self._whom}: is the site that is asked running?")
+                raise SilenceError(f"cell {self._whom}")
             schedule.sent(now_ns)
             request = make(schedule, now_ns)
             if withdrawn is not None and withdrawn.is_set():

@@ -200,10 +200,11 @@ class HandLink(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
     """The way of the hand samples over the last seconds, as measured where they arrive; times in ms.
 
     `age_ms` is the age at arrival that one sample in twenty exceeds, and the sum of that sample's parts: the network
-    (one way, by the clocks' offset), the offset's uncertainty, and capture to sending. All four are None while the
-    offset is not known. Samples arrive `interval_ms` apart (median); `jitter_ms` is the mean change of the time in the
-    network from one sample to the next (RFC 3550, section 6.4.1, not smoothed), `loss` the fraction of samples that
-    never came. `code` and `reason` state what is wrong and its cure; both are empty while nothing is.
+    (one way, by the clocks' offset), the offset's uncertainty, and capture to sending, none of it while the arm is
+    still being learned. All four are None while the offset is not known. Samples arrive `interval_ms` apart (median);
+    `jitter_ms` is the mean change of the time in the network from one sample to the next (RFC 3550, section 6.4.1, not
+    smoothed), `loss` the fraction of samples that never came. `code` and `reason` state what is wrong and its cure;
+    both are empty while nothing is.
     """
 
     age_ms: float | None

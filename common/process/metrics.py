@@ -13,6 +13,7 @@ from common.errors import TransportError
 from common.link.channels import ANY, Channel
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.endpoints import from_this_host
+from common.link.port_holders import why_not_bound
 from common.link.transport import open_link
 from common.messages.base import Message
 from common.process.service import StopFlag, be_nice
@@ -81,7 +82,7 @@ def run_metrics(
         try:
             server, _ = start_http_server(port, addr="127.0.0.1", registry=registry)
         except OSError as error:
-            raise TransportError(f"metrics.port {port} cannot be served: {error}") from error
+            raise TransportError(f"metrics.port {port} cannot be served: {why_not_bound(error, port)}") from error
         server.RequestHandlerClass.timeout = SCRAPE_S  # type: ignore[attr-defined]  # its stub says callable
         beat()
         while not should_stop.wait(BEAT_S):

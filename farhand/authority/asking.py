@@ -3,8 +3,9 @@
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 
-from common.errors import MessageError, RefusedError, TransportError
+from common.errors import MessageError, RefusedError, SilenceError, TransportError
 from common.link.channels import STATE, check_cell_name
 from common.link.config import LinkSecurity
 from common.link.request_client import PATIENCE_NS
@@ -15,13 +16,44 @@ POLL_S = 0.05
 QUIC_PATIENCE_S, PATIENCE_S = 0.3, 1.0  # of QUIC alone, once a session has tried to open; then of QUIC or TLS
 
 
+@dataclass(frozen=True, slots=True)
+class AskedSite:
+    """A site that a command asks: where it should listen, what runs it there, which options name the place."""
+
+    endpoint: str
+    command: str
+    named_by: str
+
+
+def remote_at(endpoint: str) -> AskedSite:
+    """The remote site at its control endpoint."""
+    return AskedSite(endpoint, "farhand remote", "--remote, or links.control of --config")
+
+
+def local_at(endpoint: str) -> AskedSite:
+    """The local site of this host."""
+    return AskedSite(endpoint, "farhand local", "--local, or links.local of --config")
+
+
+def no_answer(whom: str, *sites: AskedSite) -> str:
+    """What to say, and to check, where none of these sites answers for a cell."""
+    where = " or ".join(site.endpoint for site in sites)
+    commands = " or ".join(f"'{site.command}'" for site in sites)
+    options = ", and ".join(site.named_by for site in sites)
+    return (
+        f"no site of {whom} answers at {where}: check that {commands} runs there, and that --cell and {options}, name "
+        "it; 'farhand doctor --config FILE' looks at the rest"
+    )
+
+
 @contextmanager
-def link_to(cell: str, *endpoints: str, security: LinkSecurity) -> Iterator[Link]:
-    """A link to sites; without an answer, the TransportError gives the reason if one can be found.
+def link_to(cell: str, *sites: AskedSite, security: LinkSecurity) -> Iterator[Link]:
+    """A link to sites; without an answer, the TransportError gives the reason if one can be found, else the endpoints.
 
     Where QUIC lets nobody in, as a stranger's packets can bring about, it is by TLS at the same port.
     """
     check_cell_name(cell)
+    endpoints = tuple(site.endpoint for site in sites)
     with ExitStack() as stack:
         link = _first_up(stack, stack.enter_context(open_link(connect=endpoints, security=security)))
         try:
@@ -32,6 +64,8 @@ def link_to(cell: str, *endpoints: str, security: LinkSecurity) -> Iterator[Link
             link.check_connected()
             if why := link.why_silent():
                 raise TransportError(f"{error} {why}") from error
+            if isinstance(error, SilenceError):
+                raise TransportError(no_answer(error.whom, *sites)) from error
             raise
 
 
@@ -65,4 +99,4 @@ def newest_state(link: Link, cell: str) -> RobotState:
         if state is not None:
             return state
         time.sleep(POLL_S)
-    raise TransportError(f"no state is published: is the remote site of cell {cell} running?")
+    raise SilenceError(f"cell {cell}")

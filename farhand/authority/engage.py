@@ -13,7 +13,7 @@ from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.link.transport import Link
 from common.messages.requests import EngagementAction, Reply
-from farhand.authority.asking import link_to, newest_state
+from farhand.authority.asking import link_to, newest_state, remote_at
 from local_site.authority.config import host_operator
 
 RESET_FIRST = ("stopped", "fault", "robot_not_ready")
@@ -59,7 +59,7 @@ def request_stop(cell: str, endpoint: str, operator: str = "", security: LinkSec
     began_ns = time.monotonic_ns()
     try:
         name = check_cell_name(operator or host_operator(), "operator")
-        with link_to(cell, endpoint, security=security) as link:
+        with link_to(cell, remote_at(endpoint), security=security) as link:
             client = RequestClient(link, cell, operator=name)
             reply = ask_engagement(client, EngagementAction.STOP, maintenance=not link.may_ask(STOP))
     except ConfigError as error:
@@ -88,7 +88,7 @@ def _ask_as_operator(
     tell: Callable[[str], None] = lambda _: None,
 ) -> Reply:
     name = check_cell_name(operator or host_operator(), "operator")
-    with link_to(cell, endpoint, security=security) as link:
+    with link_to(cell, remote_at(endpoint), security=security) as link:
         seen_ns = _look(link, cell, action, tell)
         return ask_engagement(RequestClient(link, cell, RemoteClock(link, cell), operator=name), action, seen_ns)
 
@@ -104,7 +104,7 @@ def request_maintenance(
 
     `tell` gets beforehand what a reset clears, as in `request_reset`.
     """
-    with link_to(cell, endpoint, security=security) as link:
+    with link_to(cell, remote_at(endpoint), security=security) as link:
         seen_ns = _look(link, cell, action, tell)
         reply = ask_engagement(RequestClient(link, cell, RemoteClock(link, cell)), action, seen_ns, maintenance=True)
     if not reply.done:

@@ -3,24 +3,25 @@
 import time
 from collections.abc import Callable
 from functools import partial
+from typing import Any
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import TransportError
 from common.link.channels import OPERATE
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.request_client import RequestClient
 from common.messages.requests import SILENT, WAITING, OperatorAction, OperatorRequest
 from common.messages.robot import Asker, RobotState
-from farhand.authority.asking import link_to, newest_state
+from farhand.authority.asking import link_to, local_at, newest_state, remote_at
 from local_site.authority.lease_policy import KEEP_ASKING_NS
 
 TAKE_AGAIN_S = 1.0
 
 
-def show_lease(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> list[str]:
-    """Lines: who holds the lease, how long it still lasts, who asks for it, how accurately the clocks are known."""
-    with link_to(cell, endpoint, security=security) as link:
-        return describe_lease(newest_state(link, cell))
+def seen_state(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) -> RobotState:
+    """The remote site's newest state; TransportError when it publishes none."""
+    with link_to(cell, remote_at(endpoint), security=security) as link:
+        return newest_state(link, cell)
 
 
 def describe_lease(state: RobotState) -> list[str]:
@@ -40,9 +41,25 @@ def describe_lease(state: RobotState) -> list[str]:
     return [*words, ready]
 
 
+def lease_builtins(state: RobotState) -> dict[str, Any]:
+    """The same for programs; None for what there is not."""
+    lease, clock, readiness = state.lease, state.clock, state.readiness
+    asked_by = lease.asked_by if lease is not None else None
+    return {
+        "holder": None if lease is None else str(lease),
+        "expires_in_s": None if lease is None else (lease.expires_ns - state.t_ns) / NS_PER_S,
+        "asked_by": None if asked_by is None else str(asked_by),
+        "clock_offset_ms": None if clock is None else clock.remote_minus_local_ns / NS_PER_MS,
+        "clock_uncertainty_ms": None if clock is None else clock.uncertainty_ns / NS_PER_MS,
+        "ready": readiness.ready,
+        "code": readiness.code,
+        "reason": readiness.reason,
+    }
+
+
 def find_asker(cell: str, endpoint: str, name: str, security: LinkSecurity = ON_THIS_HOST) -> Asker:
     """The operator of this name who asks for the lease at the remote site; TransportError when that is not who asks."""
-    with link_to(cell, endpoint, security=security) as link:
+    with link_to(cell, remote_at(endpoint), security=security) as link:
         lease = newest_state(link, cell).lease
     asker = lease.asked_by if lease is not None else None
     if asker is None or asker.name != name:
@@ -62,7 +79,7 @@ def act_on_lease(
 
     `to` is who asks for the lease that is handed over.
     """
-    with link_to(cell, endpoint, security=security) as link:
+    with link_to(cell, local_at(endpoint), security=security) as link:
         client = RequestClient(link, cell, operator=operator)
         reply = client.ask(OPERATE, partial(OperatorRequest, action=action, to=to))
     if not reply.done:
@@ -78,7 +95,7 @@ def take_lease(
     `tell` gets whom it waits for. TransportError when it is refused, or nobody consents.
     """
     told, give_up_ns = "", time.monotonic_ns() + KEEP_ASKING_NS
-    with link_to(cell, endpoint, security=security) as link:
+    with link_to(cell, local_at(endpoint), security=security) as link:
         client = RequestClient(link, cell, operator=operator)
         while True:
             reply = client.ask(OPERATE, partial(OperatorRequest, action=OperatorAction.TAKE))

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -127,6 +128,19 @@ def describe(calibrated: Calibrated) -> str:
     lines += [f"lens, {camera.name}: {why}" for camera, why in zip(rig.cameras, rig.lens_choice, strict=False)]
     lines += [f"warning: {sentence}" for sentence in (*doubts(rig), *calibrated.warnings)]
     return "\n".join([*lines, f"rig written to {calibrated.out}"])
+
+
+def as_builtins(calibrated: Calibrated) -> dict[str, Any]:
+    """The same for programs."""
+    rig, left_out = calibrated.rig, calibrated.rig.leave_one_out_rms
+    return {
+        "rig": calibrated.out,
+        "reprojection_rms_px": {camera.name: camera.reprojection_rms_px for camera in rig.cameras},
+        "error_rms_mm": [1e3 * value for value in rig.error_rms],
+        "leave_one_out_rms_mm": None if left_out is None else [1e3 * value for value in left_out],
+        "epipolar_px": rig.epipolar_px,
+        "warnings": [*doubts(rig), *calibrated.warnings],
+    }
 
 
 def _axes(values: Vector3) -> str:

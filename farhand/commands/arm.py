@@ -7,14 +7,18 @@ from typing import Annotated, Literal
 import typer
 
 from common.errors import ConfigError
-from farhand.terminal import progress_bar, say
+from farhand.commands.options import AsJson
+from farhand.terminal import progress_bar, tell
 
-arm_app = typer.Typer(help="Bring in another arm.", no_args_is_help=True)
+arm_app = typer.Typer(no_args_is_help=True)
 
 
 @arm_app.callback()
 def arm() -> None:
-    """Bring in another arm."""
+    """Bring in another arm.
+
+    Example: farhand arm import panda.urdf
+    """
 
 
 @arm_app.command("import")
@@ -41,6 +45,7 @@ def import_command(
     jerk: Annotated[
         float | None, typer.Option(help="Jerk in rad/s³ as the maker states it, where the URDF states none.", min=1)
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Make a configuration that runs of an arm's URDF: its limits, shapes, start posture, workspace and simulation.
 
@@ -62,8 +67,7 @@ def import_command(
     )
     with progress_bar() as show:
         lines = import_arm(request, show)
-    for line in lines:
-        say(line)
+    tell(lines, {"configuration": request.out, "notes": lines}, as_json=as_json)
 
 
 def _position(option: str) -> tuple[str, float]:

@@ -6,9 +6,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from farhand.commands.options import load_own, until_signal
+from farhand.commands.options import AsJson, load_own, until_signal
+from farhand.terminal import aside, tell
 
 if TYPE_CHECKING:
+    from farhand.calibration.points import Calibrated
     from local_site.config import LocalConfig
 
 RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
@@ -27,7 +29,10 @@ CameraConfigFile = Annotated[
 ]
 FoundPictures = Annotated[Path | None, typer.Option(help="Folder for what was found and covered, as PNG.")]
 
-calibrate_app = typer.Typer(help="Compute a rig from measurements.", no_args_is_help=True)
+calibrate_app = typer.Typer(
+    help="Compute a rig from measurements.\n\nExample: farhand calibrate points control_points.csv",
+    no_args_is_help=True,
+)
 
 
 @calibrate_app.command("points")
@@ -36,18 +41,19 @@ def calibrate_points_command(
     out: RigFile = Path("rig.json"),
     size: Annotated[str | None, typer.Option(help="The pictures' size, as 640x480, to judge the coverage.")] = None,
     serial: Serials = None,
+    as_json: AsJson = False,
 ) -> None:
     """Solve the cameras from control points, and print the reprojection and 3D error.
 
     Example: farhand calibrate points control_points.csv --out rig.json
     """
-    from farhand.calibration.points import calibrate_points, describe, parse_pair, solvable
+    from farhand.calibration.points import calibrate_points, parse_pair, solvable
     from farhand.outputs import check_file
 
     check_file("--out", out, [csv])
     parsed = None if size is None else parse_pair(size, "--size")
     with solvable():
-        typer.echo(describe(calibrate_points(csv, out, parsed, serial or ())))
+        _tell_rig(calibrate_points(csv, out, parsed, serial or ()), as_json=as_json)
 
 
 @calibrate_app.command("images")
@@ -69,6 +75,7 @@ def calibrate_images_command(
     out: RigFile = Path("rig.json"),
     pictures: FoundPictures = None,
     serial: Serials = None,
+    as_json: AsJson = False,
 ) -> None:
     """Solve the cameras from pictures of a plate of discs at known heights, or of a printed board in many poses.
 
@@ -76,7 +83,7 @@ def calibrate_images_command(
     """
     from farhand.calibration.boards import calibrate_board_pictures, make_board
     from farhand.calibration.pictures import PictureJob, by_name, calibrate_plate, parse_heights
-    from farhand.calibration.points import describe, parse_pair, solvable
+    from farhand.calibration.points import parse_pair, solvable
     from farhand.outputs import check_file, check_folder
     from farhand.terminal import progress_bar
     from local_site.calibration.plate import Plate
@@ -89,13 +96,13 @@ def calibrate_images_command(
         plate = Plate(*parse_pair(discs, "--discs"), pitch_mm / 1000, disc_mm / 1000)
         heights = parse_heights(heights_mm)
         with solvable():
-            typer.echo(describe(calibrate_plate(job, plate, heights)))
+            _tell_rig(calibrate_plate(job, plate, heights), as_json=as_json)
         return
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
     with solvable():
         with progress_bar() as show:
             calibrated = calibrate_board_pictures(job, printed, standing, show)
-        typer.echo(describe(calibrated))
+        _tell_rig(calibrated, as_json=as_json)
 
 
 @calibrate_app.command("live")
@@ -115,15 +122,16 @@ def calibrate_live_command(
     pictures: FoundPictures = Path("calibration"),
     serial: Serials = None,
     config: CameraConfigFile = None,
+    as_json: AsJson = False,
 ) -> None:
     """Solve the cameras while a printed board is held still in one pose after another; Ctrl-C ends the taking early.
 
-    Example: farhand calibrate live --left 0 --right 1 --board charuco --squares 8x6 --square-mm 30 --marker-mm 22
+    Example: farhand calibrate live --left 0 --right 2 --board charuco --squares 8x6 --square-mm 30 --marker-mm 22
     """
     from farhand.calibration.boards import calibrate_live, make_board
     from farhand.calibration.cameras import configured_cameras
     from farhand.calibration.pictures import PictureJob, by_name
-    from farhand.calibration.points import describe, parse_pair
+    from farhand.calibration.points import parse_pair
     from farhand.outputs import check_file, check_folder
 
     sources = by_name((left, right, third, fourth))
@@ -131,7 +139,8 @@ def calibrate_live_command(
     check_folder("--pictures", pictures, sources.values())
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
     job = PictureJob(sources, out, pictures, serial or (), configured_cameras(_site_of(config), list(sources)))
-    typer.echo(describe(calibrate_live(job, printed, standing, poses, until_signal(), typer.echo)))
+    calibrated = calibrate_live(job, printed, standing, poses, until_signal(), aside(as_json=as_json))
+    _tell_rig(calibrated, as_json=as_json)
 
 
 @calibrate_app.command("latency")
@@ -145,6 +154,7 @@ def calibrate_latency_command(
         float | None, typer.Option(help="The screen's own delay, if it was measured.", min=0, max=500)
     ] = None,
     port: Annotated[int, typer.Option(help="Where the page is served on this host; 0: anywhere.", min=0)] = 0,
+    as_json: AsJson = False,
 ) -> None:
     """Measure each camera's latency before a screen that fades between black and white, and print what to configure.
 
@@ -156,7 +166,7 @@ def calibrate_latency_command(
     from common.errors import CalibrationError
     from farhand.calibration.cameras import configured_cameras
     from farhand.calibration.latency.page import PatternPage
-    from farhand.calibration.latency.run import describe, measure, open_for_latency, watch_screen
+    from farhand.calibration.latency.run import as_builtins, describe, measure, open_for_latency, watch_screen
     from farhand.calibration.pictures import by_name
 
     sources = by_name((left, right, third, fourth))
@@ -165,12 +175,20 @@ def calibrate_latency_command(
     with ExitStack() as stack:
         page = stack.enter_context(PatternPage(MonotonicClock(), secrets.token_urlsafe(8), port))
         cameras = [stack.enter_context(closing(camera)) for camera in open_for_latency(sources, setup)]
-        typer.echo(f"open {page.url} on the screen that the cameras see, and press Start there; Ctrl-C ends this")
+        aside(as_json=as_json)(
+            f"open {page.url} on the screen that the cameras see, and press Start there; Ctrl-C ends this"
+        )
         measured, refused = measure(*watch_screen(cameras, page, should_stop), screen_ms)
     if measured:
-        typer.echo(describe(measured, screen_ms))
+        tell(describe(measured, screen_ms).splitlines(), {"cameras": as_builtins(measured)}, as_json=as_json)
     if refused:
         raise CalibrationError("\n".join(refused))
+
+
+def _tell_rig(calibrated: "Calibrated", *, as_json: bool) -> None:
+    from farhand.calibration.points import as_builtins, describe
+
+    tell(describe(calibrated).splitlines(), as_builtins(calibrated), as_json=as_json)
 
 
 def _site_of(config: Path | None) -> "LocalConfig | None":

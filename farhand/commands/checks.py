@@ -5,11 +5,23 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.options import ConfigFile, Emulate, Settings, driver_file, emulation, load_own, until_signal
+from farhand.commands.completion import driver_names
+from farhand.commands.options import (
+    AsJson,
+    ConfigFile,
+    Emulate,
+    Settings,
+    driver_file,
+    emulation,
+    load_own,
+    until_signal,
+)
 from farhand.exit_codes import FAILED, UNDECIDED
-from farhand.terminal import say
+from farhand.terminal import aside, say, show_table, table_of, tell
 
-driver_app = typer.Typer(help="List, begin and check robot drivers.", no_args_is_help=True)
+driver_app = typer.Typer(
+    help="List, begin and check robot drivers.\n\nExample: farhand driver list", no_args_is_help=True
+)
 
 
 def doctor(
@@ -17,7 +29,7 @@ def doctor(
         Path | None, typer.Option("--config", help="TOML file of either site; without one, both sites' defaults.")
     ] = None,
     settings: Settings = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
+    as_json: AsJson = False,
     link: Annotated[
         bool, typer.Option("--link", help="Measure the link to the running remote site instead; nothing moves.")
     ] = False,
@@ -30,7 +42,7 @@ def doctor(
     from farhand.doctor.run import examine, examine_link_of
 
     found = (examine_link_of if link else examine)(config, settings or ())
-    typer.echo(findings.as_json(found) if as_json else findings.as_text(found))
+    tell(findings.as_text(found).splitlines(), findings.as_builtins(found), as_json=as_json)
     if findings.worst(found) is findings.Severity.ERROR:
         raise typer.Exit(FAILED)
 
@@ -44,12 +56,14 @@ def limits(
             "--factor", help="Show them with this robot.limits_factor; the file stays as it is.", min=0.01, max=1
         ),
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Print limits, tool and payload of the robot's side, where each comes from, and how long and far its stops are.
 
     Example: farhand limits --config /etc/farhand/remote.toml --factor 0.5
     """
     from farhand.limits.report import limits_report
+    from farhand.limits.tables import as_builtins, tables_of
     from remote_site.config import RemoteConfig
     from remote_site.kinematics.limits import load_arm
     from remote_site.safety.stop_bound import check_stops
@@ -57,27 +71,33 @@ def limits(
     tried = [] if factor is None else [f"robot.limits_factor={factor}"]
     loaded = load_own(RemoteConfig, config, [*(settings or ()), *tried])
     model, bounds = load_arm(loaded.robot)
-    for line in limits_report(loaded, model, bounds):
-        say(line)
+    report = limits_report(loaded, model, bounds)
+    if as_json:
+        tell((), as_builtins(report), as_json=True)
+    else:
+        for table in tables_of(report):
+            say(table.title)
+            show_table(table_of(table.head, table.rows))
     check_stops(bounds, loaded.robot.speed, loaded.safety.longest_stop_ms)
 
 
 @driver_app.command("list")
-def list_drivers() -> None:
+def list_drivers(as_json: AsJson = False) -> None:
     """List the drivers by name: where each comes from, what it is, and what is missing where it cannot be used.
 
     Example: farhand driver list
     """
     from remote_site.drivers.listing import installed_drivers
 
-    for driver in installed_drivers():
-        say(str(driver))
+    drivers = installed_drivers()
+    tell(map(str, drivers), {"drivers": drivers}, as_json=as_json)
 
 
 @driver_app.command("new")
 def new_driver(
     name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.")],
     out: Annotated[Path, typer.Option("--out", help="Folder in which the package's folder NAME is made.")] = Path(),
+    as_json: AsJson = False,
 ) -> None:
     """Write the package of a new driver: three methods to fill in, an arm simulated until then, and its tests.
 
@@ -85,18 +105,18 @@ def new_driver(
     """
     from farhand.new_driver.package import next_steps, write_package
 
-    for path in write_package(name, out):
-        say(f"wrote {path}")
-    for line in next_steps(name, out):
-        say(line)
+    written = write_package(name, out)
+    words = [*(f"wrote {path}" for path in written), *next_steps(name, out)]
+    tell(words, {"written": written}, as_json=as_json)
 
 
 @driver_app.command("test")
 def run_suite(
-    name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.")],
+    name: Annotated[str, typer.Argument(help="The driver's name, as in driver.name.", autocompletion=driver_names)],
     config: ConfigFile = None,
     settings: Settings = None,
     emulate: Emulate = False,
+    as_json: AsJson = False,
 ) -> None:
     """Check a driver against everything that Farhand expects of one; it MOVES the gripper and every joint, one by 40°.
 
@@ -111,8 +131,9 @@ def run_suite(
 
     chosen = [*(settings or ()), f"driver.name={name}", *emulation(emulate)]
     loaded = load_own(RemoteConfig, config or driver_file(name), chosen)
-    verdicts = test_driver(loaded, say, until_signal())
-    if Verdict.FAILED in verdicts:
+    verdicts = test_driver(loaded, aside(as_json=as_json), until_signal())
+    tell((), {"driver": name, "checks": verdicts}, as_json=as_json)
+    if Verdict.FAILED in verdicts.values():
         raise typer.Exit(FAILED)
-    if Verdict.REPEAT in verdicts:
+    if Verdict.REPEAT in verdicts.values():
         raise typer.Exit(UNDECIDED)

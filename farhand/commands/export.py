@@ -5,10 +5,13 @@ from typing import Annotated
 
 import typer
 
-from farhand.commands.options import until_signal
-from farhand.terminal import progress_bar, say
+from farhand.commands.options import AsJson, until_signal
+from farhand.terminal import progress_bar, tell
 
-export_app = typer.Typer(help="Turn recordings into data for others.", no_args_is_help=True)
+export_app = typer.Typer(
+    help="Turn recordings into data for others.\n\nExample: farhand export mp4 recordings/*.mcap --out videos",
+    no_args_is_help=True,
+)
 
 Sessions = Annotated[list[Path], typer.Argument(help="Recordings; the parts of a split one are joined.")]
 Folder = Annotated[Path, typer.Option(help="Folder to write into.")]
@@ -24,6 +27,7 @@ def lerobot(
     fps: Rate = 30,
     view: Annotated[list[str] | None, typer.Option(help="A camera to take; repeatable; else all.")] = None,
     task: Annotated[str, typer.Option(help="The task of episodes for which none was given.")] = "not named",
+    as_json: AsJson = False,
 ) -> None:
     """Write the episodes of recordings as one LeRobot dataset (v3.0); after Ctrl-C the same command goes on.
 
@@ -38,13 +42,13 @@ def lerobot(
     settings = ExportSettings(out, fps, tuple(view or ()), task)
     with open_sessions(sessions) as opened, progress_bar() as show:
         done = export_lerobot(opened, settings, until_signal(), show)
-    for sentence in done.left_out:
-        say(f"left out: {sentence}")
-    say(f"{out}: {done.episodes} episodes, {done.frames} frames, of which {done.encoded} were encoded now")
+    words = [f"left out: {sentence}" for sentence in done.left_out]
+    words.append(f"{out}: {done.episodes} episodes, {done.frames} frames, of which {done.encoded} were encoded now")
+    tell(words, {"out": out, **done._asdict()}, as_json=as_json)
 
 
 @export_app.command("csv")
-def csv(sessions: Sessions, out: Folder, fps: Rate = 50) -> None:
+def csv(sessions: Sessions, out: Folder, fps: Rate = 50, as_json: AsJson = False) -> None:
     """Write a table of each recording: a row an instant, with units in the head.
 
     Example: farhand export csv recordings/*.mcap --out tables
@@ -54,11 +58,11 @@ def csv(sessions: Sessions, out: Folder, fps: Rate = 50) -> None:
 
     with open_sessions(sessions) as opened:
         written = export_csv(opened, out, fps, until_signal())
-    say(f"written: {', '.join(map(str, written))}")
+    tell([f"written: {', '.join(map(str, written))}"], {"written": written}, as_json=as_json)
 
 
 @export_app.command("mp4")
-def mp4(sessions: Sessions, out: Folder, fps: Rate = 25) -> None:
+def mp4(sessions: Sessions, out: Folder, fps: Rate = 25, as_json: AsJson = False) -> None:
     """Write a video of each recording: all views side by side, with time, state and joints below.
 
     Example: farhand export mp4 recordings/*.mcap --out videos
@@ -71,4 +75,4 @@ def mp4(sessions: Sessions, out: Folder, fps: Rate = 25) -> None:
 
     with open_sessions(sessions) as opened, progress_bar() as show:
         written = export_mp4(opened, out, fps, until_signal(), show)
-    say(f"written: {', '.join(map(str, written))}")
+    tell([f"written: {', '.join(map(str, written))}"], {"written": written}, as_json=as_json)

@@ -1,4 +1,4 @@
-"""The commands that write the files of a site: under `farhand config`, `farhand certificates` and `farhand models`."""
+"""The commands under `farhand certificates` and `farhand models`: files that a site needs besides its own."""
 
 from collections.abc import Sequence
 from datetime import UTC, datetime
@@ -6,6 +6,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from farhand.commands.options import AsJson
+from farhand.terminal import aside, tell
 
 DAYS = 397
 
@@ -16,9 +19,13 @@ Hosts = Annotated[
     list[str] | None, typer.Option("--host", help="Name or address under which a site is reached; may be repeated.")
 ]
 
-config_app = typer.Typer(help="Print or write the configurations that Farhand ships.", no_args_is_help=True)
-models_app = typer.Typer(help="The hand models of the tracker `learned`.", no_args_is_help=True)
-certificates_app = typer.Typer(help="Make and renew the certificates that protect the links.", no_args_is_help=True)
+models_app = typer.Typer(
+    help="The hand models of the tracker `learned`.\n\nExample: farhand models install", no_args_is_help=True
+)
+certificates_app = typer.Typer(
+    help="Make and renew the certificates that protect the links.\n\nExample: farhand certificates renew lab",
+    no_args_is_help=True,
+)
 
 
 @certificates_app.command("create")
@@ -28,6 +35,7 @@ def create_command(
     days: Days = DAYS,
     host: Hosts = None,
     operator: Annotated[list[str] | None, typer.Option(help="Name of an operator; may be repeated.")] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Make the authorities of sites and of viewers, and their certificates for the sites of a cell and all its people.
 
@@ -37,8 +45,8 @@ def create_command(
     from farhand.certificates.guidance import guidance
 
     order = CertificateOrder(cell, tuple(host or ()), days, tuple(operator or ()))
-    create(folder, order, datetime.now(UTC))
-    typer.echo(guidance(folder, order))
+    made = create(folder, order, datetime.now(UTC))
+    tell(guidance(folder, order).splitlines(), {"made": made}, as_json=as_json)
 
 
 @certificates_app.command("operator")
@@ -48,6 +56,7 @@ def operator_command(
     folder: Folder = Path("certificates"),
     days: Days = DAYS,
     host: Hosts = None,
+    as_json: AsJson = False,
 ) -> None:
     """Make certificates for further operators of a cell, of the same authority and for the same hosts.
 
@@ -57,14 +66,18 @@ def operator_command(
 
     order = CertificateOrder(cell, tuple(host or ()), days, tuple(names))
     made = add_operators(folder, order, datetime.now(UTC))
-    typer.echo(f"made: {_pairs(made)}")
     who = " and ".join(names)
-    typer.echo(f"name {who} in links.operators of the remote site (of a router: operators), and restart it")
+    cure = f"name {who} in links.operators of the remote site (of a router: operators), and restart it"
+    tell([f"made: {_pairs(made)}", cure], {"made": made}, as_json=as_json)
 
 
 @certificates_app.command("router")
 def router_command(
-    cell: CellToCertify, folder: Folder = Path("certificates"), days: Days = DAYS, host: Hosts = None
+    cell: CellToCertify,
+    folder: Folder = Path("certificates"),
+    days: Days = DAYS,
+    host: Hosts = None,
+    as_json: AsJson = False,
 ) -> None:
     """Make the certificates of the router through which the sites of a cell meet; they are of no use at another cell.
 
@@ -73,14 +86,21 @@ def router_command(
     from farhand.certificates.folder import CertificateOrder, add_router
 
     made = add_router(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
-    typer.echo(f"made: {_pairs(made)}")
-    typer.echo(f'copy them to the router\'s host, and set cell = "{cell}" in its router.toml')
-    typer.echo("viewers-router is for [viewers] there, where others are to watch")
+    words = [
+        f"made: {_pairs(made)}",
+        f'copy them to the router\'s host, and set cell = "{cell}" in its router.toml',
+        "viewers-router is for [viewers] there, where others are to watch",
+    ]
+    tell(words, {"made": made}, as_json=as_json)
 
 
 @certificates_app.command("renew")
 def renew_command(
-    cell: CellToCertify, folder: Folder = Path("certificates"), days: Days = DAYS, host: Hosts = None
+    cell: CellToCertify,
+    folder: Folder = Path("certificates"),
+    days: Days = DAYS,
+    host: Hosts = None,
+    as_json: AsJson = False,
 ) -> None:
     """Make new keys and certificates of the same authorities for the same hosts; a host given here is added.
 
@@ -91,13 +111,16 @@ def renew_command(
 
     had_viewers = has_authority(folder, VIEWERS)
     made = renew(folder, CertificateOrder(cell, tuple(host or ()), days), datetime.now(UTC))
-    typer.echo(f"renewed for {days} days: {_pairs(made)}")
-    typer.echo("copy each pair to its host and restart the services there; the old ones are good until they expire")
+    words = [
+        f"renewed for {days} days: {_pairs(made)}",
+        "copy each pair to its host and restart the services there; the old ones are good until they expire",
+    ]
     if not had_viewers:
-        typer.echo(
+        words.append(
             f"viewers have an authority of their own now, made as {folder / VIEWERS.stem}.pem: give each viewer that "
             "file and the new viewer.pem, and serve them by [links.viewers] at the robot, or [viewers] at the router"
         )
+    tell(words, {"made": made}, as_json=as_json)
 
 
 @models_app.command("install")
@@ -105,48 +128,20 @@ def install_command(
     wheel: Annotated[
         Path | None, typer.Option("--from", help="The wheel with the models, where this machine cannot get it itself.")
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Get the models that the tracker `learned` needs, check them, and keep them in the cache folder.
 
     Example: farhand models install
     """
     from farhand.models.install import install
-    from local_site.tracking.landmarks.model_files import model_folder
+    from local_site.tracking.landmarks.model_files import MODEL_FILES, model_folder
 
-    install(model_folder(), wheel, typer.echo)
+    folder = model_folder()
+    install(folder, wheel, aside(as_json=as_json))
+    tell((), {"folder": folder, "models": [model.name for model in MODEL_FILES]}, as_json=as_json)
 
 
 def _pairs(made: Sequence[Path]) -> str:
     """Certificates and keys, in words."""
     return f"{', '.join(map(str, made))}, and {'its key' if len(made) == 1 else 'their keys'}"
-
-
-@config_app.command("show")
-def show(
-    name: Annotated[
-        str,
-        typer.Argument(
-            help="remote, remote-assist, remote-thesis, local, local-cameras, local-thesis, console or router."
-        ),
-    ],
-) -> None:
-    """Print a configuration with every key explained; redirect it to a file to begin one of your own.
-
-    Example: farhand config show remote > remote.toml
-    """
-    from farhand.deployment.shipped import read_configuration
-
-    typer.echo(read_configuration(name), nl=False)
-
-
-@config_app.command("init")
-def init(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write to; created if missing.")],
-) -> None:
-    """Write every configuration and the systemd units to a folder; a file that exists is kept.
-
-    Example: farhand config init my-cell
-    """
-    from farhand.deployment.shipped import write_all
-
-    typer.echo("\n".join(write_all(folder)))

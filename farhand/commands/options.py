@@ -10,6 +10,7 @@ from common.config import load_config
 from common.errors import ConfigError
 from common.process.log import LogFormat
 from common.process.service import StopFlag
+from farhand.commands.completion import setting_keys
 
 if TYPE_CHECKING:
     from farhand.router import RouterConfig
@@ -22,8 +23,12 @@ C = TypeVar("C", "RemoteConfig", "LocalConfig", "ConsoleConfig", "RouterConfig")
 ConfigFile = Annotated[
     Path | None, typer.Option("--config", help="TOML file, as 'farhand config show' prints one; else the defaults.")
 ]
-Settings = Annotated[list[str] | None, typer.Option("--set", help="Override one key, as table.key=value; repeatable.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Override one key, as table.key=value; repeatable.", autocompletion=setting_keys),
+]
 LogLines = Annotated[LogFormat, typer.Option("--log-format", help="text (level=... event=...) or json, on stderr.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON, as docs/json.md describes it.")]
 Emulate = Annotated[
     bool,
     typer.Option(

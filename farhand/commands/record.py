@@ -10,6 +10,7 @@ from common.errors import RecordingError
 from common.messages.recording import EpisodeOutcome
 from common.process.log import LogFormat
 from farhand.commands.options import (
+    AsJson,
     CellName,
     ConfigFile,
     LinksFile,
@@ -21,14 +22,17 @@ from farhand.commands.options import (
     until_signal,
 )
 from farhand.exit_codes import FAILED
-from farhand.terminal import complain, progress_bar, say
+from farhand.terminal import complain, progress_bar, say, tell, tell_done
 
 if TYPE_CHECKING:
     from common.recording.repair import Repaired
 
 MB = 1_000_000
-record_app = typer.Typer(help="Record a cell, ask its recorder to begin or end, repair files.")
-episode_app = typer.Typer(help="Begin and end episodes of a recording, and say how they went.", no_args_is_help=True)
+record_app = typer.Typer()
+episode_app = typer.Typer(
+    help="Begin and end episodes of a recording, and say how they went.\n\nExample: farhand episode begin",
+    no_args_is_help=True,
+)
 
 Task = Annotated[str, typer.Option(help="What is to be done, as a sentence; it stays until another is given.")]
 Note = Annotated[str, typer.Option(help="A note about the episode.")]
@@ -46,6 +50,8 @@ def record(
 ) -> None:
     """Record the site of this host whose configuration it is given, until Ctrl-C or SIGTERM.
 
+    Its commands ask recorders that run already to begin or end, and repair files.
+
     Example: farhand record --config remote.toml --out recordings
     """
     if context.invoked_subcommand is not None:
@@ -56,14 +62,17 @@ def record(
 
 
 @record_app.command("repair")
-def repair_files(files: Annotated[list[Path], typer.Argument(help="Recordings that were not ended in order.")]) -> None:
+def repair_files(
+    files: Annotated[list[Path], typer.Argument(help="Recordings that were not ended in order.")],
+    as_json: AsJson = False,
+) -> None:
     """Make files whole whose recorder was killed, or that were cut: up to the last whole second, in place.
 
     What has to be cut is kept beside the file, in FILE.rest. Exit code 1 if a file cannot be repaired; the others are.
 
     Example: farhand record repair recordings/20260102T030405Z_cell_001.mcap
     """
-    failed = False
+    failed, results = False, []
     for file in files:
         rest = file.with_name(f"{file.name}.rest")
         try:
@@ -72,14 +81,18 @@ def repair_files(files: Annotated[list[Path], typer.Argument(help="Recordings th
             complain(error)
             failed = True
             continue
-        cut = (
-            f"is repaired, {done.cut_bytes} bytes that were not whole are in {rest}"
-            if done.cut_bytes
-            else "is repaired"
-        )
-        say(f"{file} {'is whole' if done.was_whole else cut}: {done.messages} messages over {done.seconds:.1f} s")
+        if not as_json:
+            say(_in_words(file, rest, done))
+        results.append({"file": file, **done._asdict(), "rest": rest if done.cut_bytes else None})
+    tell((), {"repaired": results}, as_json=as_json)
     if failed:
         raise typer.Exit(FAILED)
+
+
+def _in_words(file: Path, rest: Path, done: "Repaired") -> str:
+    cut = f", {done.cut_bytes} bytes that were not whole are in {rest}" if done.cut_bytes else ""
+    state = "whole" if done.was_whole else f"repaired{cut}"
+    return f"{file} is {state}: {done.messages} messages over {done.seconds:.1f} s"
 
 
 def _repair(file: Path, rest: Path) -> "Repaired":
@@ -91,21 +104,33 @@ def _repair(file: Path, rest: Path) -> "Repaired":
 
 
 @record_app.command("start")
-def start(cell: CellName = "", at: RemoteEndpoint = "", local: LocalEndpoint = "", config: LinksFile = None) -> None:
+def start(
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    local: LocalEndpoint = "",
+    config: LinksFile = None,
+    as_json: AsJson = False,
+) -> None:
     """As the lease's holder, ask the recorders of both sites to begin, where record.start = "on_request".
 
     Example: farhand record start --cell cell
     """
-    _ask("start", cell, at, local, config)
+    _ask("start", cell, at, local, config, as_json=as_json)
 
 
 @record_app.command("stop")
-def stop(cell: CellName = "", at: RemoteEndpoint = "", local: LocalEndpoint = "", config: LinksFile = None) -> None:
+def stop(
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    local: LocalEndpoint = "",
+    config: LinksFile = None,
+    as_json: AsJson = False,
+) -> None:
     """Ask the recorders of both sites to end: the cell's as the lease's holder, this host's own in any case.
 
     Example: farhand record stop --cell cell
     """
-    _ask("stop", cell, at, local, config)
+    _ask("stop", cell, at, local, config, as_json=as_json)
 
 
 @episode_app.command("begin")
@@ -115,12 +140,13 @@ def begin(
     at: RemoteEndpoint = "",
     local: LocalEndpoint = "",
     config: LinksFile = None,
+    as_json: AsJson = False,
 ) -> None:
     """Begin an episode; one that is under way ends.
 
     Example: farhand episode begin --task "put the block on the mark"
     """
-    _ask("begin", cell, at, local, config, task=task)
+    _ask("begin", cell, at, local, config, as_json=as_json, task=task)
 
 
 @episode_app.command("end")
@@ -131,12 +157,13 @@ def end(
     at: RemoteEndpoint = "",
     local: LocalEndpoint = "",
     config: LinksFile = None,
+    as_json: AsJson = False,
 ) -> None:
     """End the episode under way.
 
     Example: farhand episode end --outcome success
     """
-    _ask("end", cell, at, local, config, outcome=outcome, note=note)
+    _ask("end", cell, at, local, config, as_json=as_json, outcome=outcome, note=note)
 
 
 @episode_app.command("label")
@@ -148,12 +175,13 @@ def label(
     at: RemoteEndpoint = "",
     local: LocalEndpoint = "",
     config: LinksFile = None,
+    as_json: AsJson = False,
 ) -> None:
     """Say of the episode under way, or else of the last one, how it went.
 
     Example: farhand episode label --outcome failure --note "the block slipped"
     """
-    _ask("label", cell, at, local, config, task=task, outcome=outcome, note=note)
+    _ask("label", cell, at, local, config, as_json=as_json, task=task, outcome=outcome, note=note)
 
 
 def _ask(
@@ -163,6 +191,7 @@ def _ask(
     local: str,
     config: Path | None,
     *,
+    as_json: bool,
     task: str = "",
     outcome: EpisodeOutcome = EpisodeOutcome.UNKNOWN,
     note: str = "",
@@ -172,4 +201,5 @@ def _ask(
 
     known = console_config(config, cell=cell, control=at, local=local)
     links, asked = known.links, (RecordAction(action), task, outcome, note)
-    say(request_record(known.cell, links.control, links.local, known.name, *asked, security=links))
+    done = request_record(known.cell, links.control, links.local, known.name, *asked, security=links)
+    tell_done(done, as_json=as_json)

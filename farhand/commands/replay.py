@@ -1,14 +1,15 @@
 """`farhand replay`: what was recorded, played again."""
 
 import tempfile
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from common.errors import ConfigError
-from farhand.commands.options import ConfigFile, Settings, load_own, until_signal
-from farhand.terminal import say
+from farhand.commands.options import AsJson, ConfigFile, Settings, load_own, until_signal
+from farhand.terminal import say, tell
 
 
 def replay(
@@ -24,6 +25,7 @@ def replay(
     speed: Annotated[float, typer.Option(min=0.1, max=1.0, help="With --to-robot: times the recorded speed.")] = 1.0,
     config: ConfigFile = None,
     settings: Settings = None,
+    as_json: AsJson = False,
 ) -> None:
     """Show a recording on the operator's page, until Ctrl-C; or verify it, or run it on a robot.
 
@@ -37,6 +39,8 @@ def replay(
     """
     if verify and to_robot:
         raise ConfigError("--verify and --to-robot exclude each other; give one of them")
+    if as_json and not verify:
+        raise ConfigError("--json is the verdict of --verify; give both, or leave it out")
     with tempfile.TemporaryDirectory() as folder:
         if to_robot:
             from farhand.replay.to_robot import replay_to_robot
@@ -46,7 +50,7 @@ def replay(
             replay_to_robot(file, Path(folder), episode, speed, local, until_signal())
             return
         if verify:
-            _verify(file, Path(folder))
+            _verify(file, Path(folder), as_json=as_json)
             return
         from farhand.replay.console import run_replay
         from farhand.replay.recorded_scene import RecordedScene
@@ -56,7 +60,7 @@ def replay(
             run_replay(scene, file.name, ServeConfig(port=port), until_signal(), say)
 
 
-def _verify(file: Path, folder: Path) -> None:
+def _verify(file: Path, folder: Path, *, as_json: bool) -> None:
     from rich.console import Console
     from rich.progress import Progress
 
@@ -68,8 +72,8 @@ def _verify(file: Path, folder: Path) -> None:
         pipeline = recorded_pipeline(file, folder)
         task = bar.add_task("verifying", total=cycle_count(file))
         verdict = verify(recorded_cycles(file), pipeline, lambda: bar.advance(task))
-    if verdict.difference is None:
-        say(verdict.in_words())
-        return
-    say(verdict.in_words(other_release(file)))
-    raise typer.Exit(FAILED)
+    is_same = verdict.difference is None
+    words = verdict.in_words() if is_same else verdict.in_words(other_release(file))
+    tell([words], {"is_same": is_same, **asdict(verdict)}, as_json=as_json)
+    if not is_same:
+        raise typer.Exit(FAILED)

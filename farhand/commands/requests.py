@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from common.errors import ConfigError
-from farhand.commands.options import CellName, LinksFile, LocalEndpoint, RemoteEndpoint, console_config
-from farhand.terminal import say
+from farhand.commands.options import AsJson, CellName, LinksFile, LocalEndpoint, RemoteEndpoint, console_config
+from farhand.terminal import aside, tell, tell_done
 
 if TYPE_CHECKING:
     from common.messages.requests import OperatorAction
@@ -17,9 +17,13 @@ if TYPE_CHECKING:
 OperatorName = Annotated[str, typer.Option("--operator", help="The operator's name, where it is not this host's.")]
 
 lease_app = typer.Typer(
-    help="Show who may operate a cell; take the lease, hand it over, release it.", no_args_is_help=True
+    help="Show who may operate a cell; take the lease, hand it over, release it.\n\nExample: farhand lease show",
+    no_args_is_help=True,
 )
-maintenance_app = typer.Typer(help="Stop and reset the arm, without holding the lease.", no_args_is_help=True)
+maintenance_app = typer.Typer(
+    help="Stop and reset the arm, without holding the lease.\n\nExample: farhand maintenance reset",
+    no_args_is_help=True,
+)
 
 
 def engage(
@@ -27,6 +31,7 @@ def engage(
     at: RemoteEndpoint = "",
     operator: OperatorName = "",
     config: LinksFile = None,
+    as_json: AsJson = False,
 ) -> None:
     """Let the arm follow the hand; after a stop or a fault 'farhand reset' comes first.
 
@@ -35,11 +40,15 @@ def engage(
     from farhand.authority.engage import request_engage
 
     links = console_config(config, cell=cell, control=at)
-    say(request_engage(links.cell, links.links.control, operator or links.name, links.links))
+    tell_done(request_engage(links.cell, links.links.control, operator or links.name, links.links), as_json=as_json)
 
 
 def disengage(
-    cell: CellName = "", at: RemoteEndpoint = "", operator: OperatorName = "", config: LinksFile = None
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    operator: OperatorName = "",
+    config: LinksFile = None,
+    as_json: AsJson = False,
 ) -> None:
     """End the engagement, as the lease's holder: the arm comes to rest, and follows again once it is engaged.
 
@@ -48,11 +57,15 @@ def disengage(
     from farhand.authority.engage import request_disengage
 
     links = console_config(config, cell=cell, control=at)
-    say(request_disengage(links.cell, links.links.control, operator or links.name, links.links))
+    tell_done(request_disengage(links.cell, links.links.control, operator or links.name, links.links), as_json=as_json)
 
 
 def reset_arm(
-    cell: CellName = "", at: RemoteEndpoint = "", operator: OperatorName = "", config: LinksFile = None
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    operator: OperatorName = "",
+    config: LinksFile = None,
+    as_json: AsJson = False,
 ) -> None:
     """Clear a stop or a fault, as the lease's holder, and wake a robot that has stopped; nothing moves until 'engage'.
 
@@ -63,11 +76,18 @@ def reset_arm(
     from farhand.authority.engage import request_reset
 
     links = console_config(config, cell=cell, control=at)
-    say(request_reset(links.cell, links.links.control, operator or links.name, say, links.links))
+    tell_beforehand = aside(as_json=as_json)
+    who = operator or links.name
+    done = request_reset(links.cell, links.links.control, who, tell_beforehand, links.links)
+    tell_done(done, as_json=as_json)
 
 
 def stop_arm(
-    cell: CellName = "", at: RemoteEndpoint = "", operator: OperatorName = "", config: LinksFile = None
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    operator: OperatorName = "",
+    config: LinksFile = None,
+    as_json: AsJson = False,
 ) -> None:
     """Stop the arm, with or without the lease, and refuse every engagement until it is reset; power stays on.
 
@@ -82,24 +102,24 @@ def stop_arm(
         links = console_config(config, cell=cell, control=at)
     except ConfigError as error:
         raise ConfigError(unacknowledged(str(error))) from error
-    say(request_stop(links.cell, links.links.control, operator or links.name, links.links))
+    tell_done(request_stop(links.cell, links.links.control, operator or links.name, links.links), as_json=as_json)
 
 
 @lease_app.command("show")
-def show(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+def show(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None, as_json: AsJson = False) -> None:
     """Show who holds the lease of a cell, who asks for it, and what is still missing to engage.
 
     Example: farhand lease show --cell cell
     """
-    from farhand.authority.lease import show_lease
+    from farhand.authority.lease import describe_lease, lease_builtins, seen_state
 
     links = console_config(config, cell=cell, control=at)
-    for line in show_lease(links.cell, links.links.control, links.links):
-        say(line)
+    state = seen_state(links.cell, links.links.control, links.links)
+    tell(describe_lease(state), lease_builtins(state), as_json=as_json)
 
 
 @lease_app.command("take")
-def take(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
+def take(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None, as_json: AsJson = False) -> None:
     """Ask for the lease; while another operator holds it, wait for a minute for consent.
 
     Example: farhand lease take
@@ -107,7 +127,8 @@ def take(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) 
     from farhand.authority.lease import take_lease
 
     links = console_config(config, cell=cell, local=at)
-    say(take_lease(links.cell, links.links.local, links.name, say, links.links))
+    taken = take_lease(links.cell, links.links.local, links.name, aside(as_json=as_json), links.links)
+    tell_done(taken, as_json=as_json)
 
 
 @lease_app.command("give")
@@ -117,6 +138,7 @@ def give(
     at: LocalEndpoint = "",
     remote: RemoteEndpoint = "",
     config: LinksFile = None,
+    as_json: AsJson = False,
 ) -> None:
     """Consent: hand the lease to the operator of this name, who asks for it. The arm stops.
 
@@ -127,49 +149,53 @@ def give(
 
     links = console_config(config, cell=cell, local=at, control=remote)
     to = find_asker(links.cell, links.links.control, asker, links.links)
-    _act_on_lease(OperatorAction.GIVE, links, to)
+    _act_on_lease(OperatorAction.GIVE, links, to, as_json=as_json)
 
 
 @lease_app.command("release")
-def release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None) -> None:
+def release(cell: CellName = "", at: LocalEndpoint = "", config: LinksFile = None, as_json: AsJson = False) -> None:
     """Release the lease, so that any operator may take it. The arm stops.
 
     Example: farhand lease release
     """
     from common.messages.requests import OperatorAction
 
-    _act_on_lease(OperatorAction.RELEASE, console_config(config, cell=cell, local=at))
+    _act_on_lease(OperatorAction.RELEASE, console_config(config, cell=cell, local=at), as_json=as_json)
 
 
-def _act_on_lease(action: "OperatorAction", links: "ConsoleConfig", to: "Asker | None" = None) -> None:
+def _act_on_lease(
+    action: "OperatorAction", links: "ConsoleConfig", to: "Asker | None" = None, *, as_json: bool
+) -> None:
     from farhand.authority.lease import act_on_lease
 
-    say(act_on_lease(links.cell, links.links.local, links.name, action, to, links.links))
+    tell_done(act_on_lease(links.cell, links.links.local, links.name, action, to, links.links), as_json=as_json)
 
 
 @maintenance_app.command("stop")
-def stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+def stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None, as_json: AsJson = False) -> None:
     """Stop the arm and refuse every engagement until it is reset; needs no lease.
 
     Example: farhand maintenance stop --config /etc/farhand/maintenance.toml
     """
-    _request_maintenance("stop", cell, at, config)
+    _request_maintenance("stop", cell, at, config, as_json=as_json)
 
 
 @maintenance_app.command("reset")
-def reset(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None) -> None:
+def reset(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None, as_json: AsJson = False) -> None:
     """Clear a stop or a fault, and wake a robot that has stopped; nothing moves until the operator engages.
 
     It says what it clears, such as who has stopped the arm, and clears nothing that came after that.
 
     Example: farhand maintenance reset --config /etc/farhand/maintenance.toml
     """
-    _request_maintenance("reset", cell, at, config)
+    _request_maintenance("reset", cell, at, config, as_json=as_json)
 
 
-def _request_maintenance(action: str, cell: str, at: str, config: Path | None) -> None:
+def _request_maintenance(action: str, cell: str, at: str, config: Path | None, *, as_json: bool) -> None:
     from common.messages.requests import EngagementAction
     from farhand.authority.engage import request_maintenance
 
     links = console_config(config, cell=cell, control=at)
-    say(request_maintenance(links.cell, links.links.control, EngagementAction(action), say, links.links))
+    asked, beforehand = EngagementAction(action), aside(as_json=as_json)
+    done = request_maintenance(links.cell, links.links.control, asked, beforehand, links.links)
+    tell_done(done, as_json=as_json)

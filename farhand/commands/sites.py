@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from common.process.log import LogFormat
+from farhand.commands.completion import driver_names
 from farhand.commands.options import (
     ConfigFile,
     Emulate,
@@ -23,7 +24,10 @@ def remote(
     settings: Settings = None,
     driver: Annotated[
         str | None,
-        typer.Option(help="The robot's driver: as --set driver.name=NAME, and franka without --config brings its arm."),
+        typer.Option(
+            help="The robot's driver: as --set driver.name=NAME, and franka without --config brings its arm.",
+            autocompletion=driver_names,
+        ),
     ] = None,
     emulate: Emulate = False,
     cell: Annotated[str, typer.Option(help="Name of this cell: the same as --set cell=NAME.")] = "",

@@ -7,10 +7,12 @@ from typing import Annotated
 import typer
 
 from common.errors import ConfigError
-from farhand.commands.options import ConfigFile, Settings, load_own, until_signal
-from farhand.terminal import say
+from farhand.commands.options import AsJson, ConfigFile, Settings, load_own, until_signal
+from farhand.terminal import show_table, tell
 
-teach_app = typer.Typer(help="Do a task by hand once, and run it again.", no_args_is_help=True)
+teach_app = typer.Typer(
+    help="Do a task by hand once, and run it again.\n\nExample: farhand teach show task.toml", no_args_is_help=True
+)
 
 TaskPath = Annotated[Path, typer.Argument(help="The task file.")]
 Frame = Annotated[
@@ -26,6 +28,7 @@ def extract(
     tolerance_mm: Annotated[float, typer.Option(min=0.1, max=50, help="How far way points leave the path, mm.")] = 2.0,
     tolerance_deg: Annotated[float, typer.Option(min=0.1, max=45, help="The same of the orientation, deg.")] = 2.0,
     frame: Frame = "",
+    as_json: AsJson = False,
 ) -> None:
     """Reduce the tool's path of a recorded episode to way points, in a file that is meant to be edited.
 
@@ -42,22 +45,24 @@ def extract(
     with tempfile.TemporaryDirectory() as folder:
         task = extracted(file, Path(folder), episode, tolerance_mm, tolerance_deg, frame_from(frame))
     write_result(out, as_toml(task).encode())
-    say(f"{out}: {len(task.waypoints)} way points; edit it, look at it with: farhand teach show {out}")
+    count = len(task.waypoints)
+    words = f"{out}: {count} way points; edit it, look at it with: farhand teach show {out}"
+    tell([words], {"task": out, "way_points": count}, as_json=as_json)
 
 
 @teach_app.command("show")
 def show(
-    file: TaskPath, out: Annotated[Path | None, typer.Option(help="A picture of the path as well, as PNG.")] = None
+    file: TaskPath,
+    out: Annotated[Path | None, typer.Option(help="A picture of the path as well, as PNG.")] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Print a task's way points, with when the tool is at each of them, and draw its path.
 
     Example: farhand teach show task.toml --out task.png
     """
-    from rich.console import Console
-
     from farhand.outputs import check_file
     from farhand.reports.plotting import require_matplotlib
-    from farhand.teach.show import as_table, plotted
+    from farhand.teach.show import as_builtins, as_table, plotted
     from farhand.teach.task_file import load_task
 
     task = load_task(file)
@@ -65,7 +70,10 @@ def show(
         require_matplotlib()
         check_file("--out", out, [file])
         plotted(task).savefig(out, format="png")
-    Console().print(as_table(task))
+    if as_json:
+        tell((), as_builtins(task), as_json=True)
+    else:
+        show_table(as_table(task))
 
 
 @teach_app.command("run")

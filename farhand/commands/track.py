@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from common.errors import ConfigError
-from farhand.commands.options import TRACKER_HELP, Settings, load_own, until_signal
+from farhand.commands.options import TRACKER_HELP, AsJson, Settings, load_own, until_signal
+from farhand.terminal import tell
 from local_site.tracking.config import Method
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ def track(
         Path | None, typer.Option(help="Folder for report.html: tables, plots and the worst pairs. Needs matplotlib.")
     ] = None,
     csv: Annotated[Path | None, typer.Option(help="CSV to write, a row per instant.")] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Track a recording or one to four cameras, one JSON line per instant; causal, unsmoothed.
 
@@ -61,7 +63,7 @@ def track(
     """
     from farhand.tracking.results.outputs import TrackOutputs
     from farhand.tracking.run import TrackSources, run_track
-    from farhand.tracking.summary import describe, refuse_interrupted, refuse_nothing
+    from farhand.tracking.summary import as_builtins, describe, refuse_interrupted, refuse_nothing
 
     if (monocular is None) == (left is None or right is None) or (monocular and (left or right or also)):
         raise ConfigError("give --left and --right, or --monocular alone")
@@ -72,7 +74,7 @@ def track(
     outputs = TrackOutputs(out, annotate, video, report, csv)
     should_stop = until_signal()
     summary = run_track(sources, outputs, should_stop)
-    typer.echo(describe(summary, outputs.written))
+    tell(describe(summary, outputs.written).splitlines(), as_builtins(summary, outputs.written), as_json=as_json)
     if should_stop():
         refuse_interrupted(summary, outputs.written)
     refuse_nothing(summary)

@@ -1,12 +1,15 @@
 """The configurations and systemd units inside the package: printed, and written to a folder."""
 
 from pathlib import Path
+from typing import NamedTuple
 
 from common.errors import ConfigError
+from farhand.deployment.schemas import schema_files
 from farhand.outputs import make_folder, write_result
 
 HERE = Path(__file__).parent
 NAMES = tuple(sorted(path.stem for path in (HERE / "sites").glob("*.toml")))
+SCHEMAS = "schemas"  # the folder beside a configuration, as its first line names it
 FOR_UNITS = "the units run /opt/farhand/.venv/bin/farhand with /etc/farhand/NAME.toml: edit ExecStart for other folders"
 
 
@@ -23,20 +26,35 @@ def configuration_files(given: Path) -> tuple[Path, ...]:
     return pair if not given.exists() and all(path.is_file() for path in pair) else (given,)
 
 
-def write_all(folder: Path) -> list[str]:
-    """Write DIR/NAME.toml and DIR/systemd/*.service where no such file exists; a line for each, and a hint.
+class WrittenFiles(NamedTuple):
+    """Which files were written, and which were there already and stay as they are."""
+
+    written: list[Path]
+    kept: list[Path]
+
+
+def in_words(files: WrittenFiles) -> list[str]:
+    """A line for each file, and a hint."""
+    kept = (f"kept {path}: it exists" for path in files.kept)
+    return [*(f"wrote {path}" for path in files.written), *kept, FOR_UNITS]
+
+
+def write_all(folder: Path) -> WrittenFiles:
+    """Write DIR/NAME.toml, the schemas that these name, and DIR/systemd/*.service where no such file exists.
 
     ConfigError when the folder cannot be written.
     """
     units = folder / "systemd"
-    for made in (folder, units):
+    for made in (folder, folder / SCHEMAS, units):
         make_folder("DIR", made)
-    targets = {path: folder / path.name for path in sorted((HERE / "sites").glob("*.toml"))}
-    targets |= {path: units / path.name for path in sorted((HERE / "systemd").glob("*.service"))}
-    lines = []
-    for source, target in targets.items():
-        exists = target.exists() or target.is_symlink()
-        if not exists:
-            write_result(target, source.read_bytes())
-        lines.append(f"kept {target}: it exists" if exists else f"wrote {target}")
-    return [*lines, FOR_UNITS]
+    targets = {folder / path.name: path.read_bytes() for path in sorted((HERE / "sites").glob("*.toml"))}
+    targets |= schema_files(folder / SCHEMAS)
+    targets |= {units / path.name: path.read_bytes() for path in sorted((HERE / "systemd").glob("*.service"))}
+    files = WrittenFiles([], [])
+    for target, content in targets.items():
+        if target.exists() or target.is_symlink():
+            files.kept.append(target)
+        else:
+            write_result(target, content)
+            files.written.append(target)
+    return files

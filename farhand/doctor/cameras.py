@@ -15,8 +15,8 @@ from common.cameras.shown_source import shown_source
 from common.cameras.sources import Source, open_camera
 from common.clock import NS_PER_S
 from common.errors import CalibrationError, CameraError
+from common.link.port_holders import holder_of_device, is_ours
 from farhand.doctor.findings import Finding, error, ok, warning
-from farhand.doctor.processes import holder_of_device, is_ours
 from local_site.calibration.rig_file import load_rig
 from local_site.kernels.pictures import as_colour
 from local_site.tracking.config import Method

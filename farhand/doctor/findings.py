@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from enum import StrEnum
+from typing import Any
 
 import msgspec
 
@@ -58,7 +59,6 @@ def as_text(findings: Sequence[Finding]) -> str:
     return "\n".join(map(escaped, lines))
 
 
-def as_json(findings: Sequence[Finding]) -> str:
-    """An object with the worst level and every finding."""
-    report = {"worst": worst(findings), "findings": list(findings)}
-    return msgspec.json.format(msgspec.json.encode(report), indent=2).decode()
+def as_builtins(findings: Sequence[Finding]) -> dict[str, Any]:
+    """The worst level and every finding, for programs."""
+    return {"worst": worst(findings), "findings": list(findings)}

@@ -13,11 +13,11 @@ from common.errors import ConfigError, RefusedError, TransportError
 from common.link.config import NAME_OPERATORS, ON_THIS_HOST, LinkSecurity, OperatorLinks, TlsConfig
 from common.link.credentials import TABLE, load_credentials
 from common.link.endpoints import check_endpoint, check_free
+from common.link.port_holders import is_ours, listener_on
 from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
 from farhand.certificates.authorities import read_certificate
 from farhand.doctor.findings import Finding, error, ok, warning
-from farhand.doctor.processes import is_ours, listener_on
 
 CLOCK_TIMEOUT_NS = 2 * NS_PER_S
 ROUND_TRIPS = 20

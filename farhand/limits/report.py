@@ -1,14 +1,14 @@
-"""The limits, tool and payload of a configured arm with their sources, and what its stops take, as Markdown."""
+"""The limits, tool and payload of a configured arm with their sources, and what its stops take; pure."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from common.clock import NS_PER_MS
 from common.geometry import Array
 from farhand.limits.sources import FILE, assumed_in_configuration, file_source, of_another_arm
-from farhand.limits.tables import figure, table
-from farhand.limits.tool_rows import tool_rows
+from farhand.limits.tool_rows import Row, tool_rows
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
 from remote_site.kinematics.limits import JointLimits
@@ -17,47 +17,86 @@ from remote_site.safety.stop_bound import longest_stops
 from remote_site.safety.stop_figures import StopFigures, rising_stop, steady_stop, way
 from remote_site.session.age_limit import AgeLimit, speed_scale_at
 
-MS = MM = 1000.0
+MS = 1000.0
 SPEEDS_RAD_S = (0.5, 1.0)  # beside full speed
 TICKS = 2  # from the tick that finds a sample too old to the first command of the stop that a robot obeys
 
 
-def limits_report(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> list[str]:
-    """The lines of the report."""
-    levers, full = model.tcp_levers, float(limits.velocity.max())
-    reach = f"{max(levers):.2f} m"
-    return [
-        f"The limits of the arm {config.robot.model}, joint by joint:",
-        "",
-        *_limits_table(config, model, limits),
-        "",
-        "Its tool, and what holds for all joints:",
-        "",
-        *table(["what", "value", "from"], [_factor_row(config), *tool_rows(config)]),
-        "",
-        f"A stop takes at most, from a speed that no joint exceeds, with the tool up to {reach} from an axis:",
-        "",
-        *_stops_table(limits, levers, [speed for speed in SPEEDS_RAD_S if speed < full] + [full]),
-        "",
-        f"From the exposure of the last good sample to rest, with {TICKS} ticks of control, at most:",
-        "",
-        *_ages_table(config, limits, levers),
-    ]
+@dataclass(frozen=True, slots=True)
+class LimitRow:
+    """One limit of every joint: its key for programs, its name for people, the values, where they come from."""
+
+    key: str
+    name: str
+    values: tuple[float, ...]
+    source: str
 
 
-def _limits_table(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> list[str]:
+@dataclass(frozen=True, slots=True)
+class StopRow:
+    """What a stop takes from a speed that no joint exceeds: from steady motion, and while still accelerating."""
+
+    speed_rad_s: float
+    steady: StopFigures
+    rising: StopFigures
+
+
+@dataclass(frozen=True, slots=True)
+class AgeRow:
+    """From the exposure of the last good sample to rest, at an age limit and the speed that it leaves."""
+
+    age_ms: float
+    speed_rad_s: float
+    whole: StopFigures
+
+
+@dataclass(frozen=True, slots=True)
+class LimitsReport:
+    """Everything; `tool` are rows of what, value and source, `reach_m` is how far the tool gets from an axis."""
+
+    arm: str
+    joints: tuple[str, ...]
+    reach_m: float
+    limits: tuple[LimitRow, ...]
+    tool: tuple[Row, ...]
+    stops: tuple[StopRow, ...]
+    ages: tuple[AgeRow, ...]
+
+
+def figure(value: float) -> str:
+    """A figure in three digits, more before the point."""
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def limits_report(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> LimitsReport:
+    """The report on an arm as it is configured."""
+    levers = model.tcp_levers
+    return LimitsReport(
+        config.robot.model,
+        tuple(limits.names),
+        max(levers),
+        _limit_rows(config, model, limits),
+        (_factor_row(config), *tool_rows(config)),
+        _stop_rows(limits, levers),
+        _age_rows(config, limits, levers),
+    )
+
+
+def _limit_rows(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> tuple[LimitRow, ...]:
     allowed_ms = config.safety.longest_stop_ms
+    lower, upper = file_source(model, "lower", model.lower), file_source(model, "upper", model.upper)
+    effort = f"{file_source(model, 'effort', model.effort)}; Farhand commands none"
+    stops = f"the three above; {allowed_ms:g} are allowed"
     rows = [
-        ("lowest, deg", np.degrees(limits.lower), _position_source(config, file_source(model, "lower", model.lower))),
-        ("highest, deg", np.degrees(limits.upper), _position_source(config, file_source(model, "upper", model.upper))),
-        ("speed, rad/s", limits.velocity, _speed_source(config)),
-        ("acceleration, rad/s²", limits.acceleration, _acceleration_source(config, model)),
-        ("jerk, rad/s³", limits.jerk, _jerk_source(config, model)),
-        ("longest stop, ms", MS * np.array(longest_stops(limits)), f"the three above; {allowed_ms:g} are allowed"),
-        ("effort, N m", model.effort, f"{file_source(model, 'effort', model.effort)}; Farhand commands none"),
+        ("lowest_deg", "lowest, deg", np.degrees(limits.lower), _position_source(config, lower)),
+        ("highest_deg", "highest, deg", np.degrees(limits.upper), _position_source(config, upper)),
+        ("speed_rad_s", "speed, rad/s", limits.velocity, _speed_source(config)),
+        ("acceleration_rad_s2", "acceleration, rad/s²", limits.acceleration, _acceleration_source(config, model)),
+        ("jerk_rad_s3", "jerk, rad/s³", limits.jerk, _jerk_source(config, model)),
+        ("longest_stop_ms", "longest stop, ms", MS * np.array(longest_stops(limits)), stops),
+        ("effort_n_m", "effort, N m", model.effort, effort),
     ]
-    head = ["limit", *limits.names, "from"]
-    return table(head, ([name, *map(figure, values.tolist()), source] for name, values, source in rows))
+    return tuple(LimitRow(key, name, tuple(values.tolist()), source) for key, name, values, source in rows)
 
 
 def _times_factor(config: RemoteConfig) -> str:
@@ -104,37 +143,25 @@ def _bound(own: Array, source: str) -> str:
     return f"{FILE} allows {allowed}" + (f" ({source})" if source != FILE else "")
 
 
-def _stops_table(limits: JointLimits, levers: Sequence[float], speeds: Sequence[float]) -> list[str]:
-    head = [
-        "joint speed",
-        "steady",
-        "the tool by one joint, by all",
-        "still accelerating",
-        "the tool by one joint, by all",
-    ]
-    rows = []
-    for speed in speeds:
-        name = f"{figure(speed)} rad/s" + (", full speed" if speed == speeds[-1] else "")
-        rows.append([name, *_stop(steady_stop(limits, levers, speed)), *_stop(rising_stop(limits, levers, speed))])
-    return table(head, rows)
+def _stop_rows(limits: JointLimits, levers: Sequence[float]) -> tuple[StopRow, ...]:
+    full = float(limits.velocity.max())
+    speeds = [speed for speed in SPEEDS_RAD_S if speed < full] + [full]
+    return tuple(
+        StopRow(speed, steady_stop(limits, levers, speed), rising_stop(limits, levers, speed)) for speed in speeds
+    )
 
 
-def _stop(figures: StopFigures) -> tuple[str, str]:
-    return f"{MS * figures.seconds:.0f} ms", f"{MM * figures.by_one_m:.0f} mm, {MM * figures.by_all_m:.0f} mm"
-
-
-def _ages_table(config: RemoteConfig, limits: JointLimits, levers: Sequence[float]) -> list[str]:
+def _age_rows(config: RemoteConfig, limits: JointLimits, levers: Sequence[float]) -> tuple[AgeRow, ...]:
     """A row for each age limit that can be in force, or for the shortest, the longest and one in between."""
     least, most = AgeLimit(config.safety).range_ns
     ages_ns = sorted({least, min(2 * least, most), most})
-    head = ["age limit", "greatest joint speed", "rest after", "the tool by one joint, by all"]
-    return table(head, [_age_row(age_ns, config, limits, levers) for age_ns in ages_ns])
+    return tuple(_age_row(age_ns, config, limits, levers) for age_ns in ages_ns)
 
 
-def _age_row(age_ns: int, config: RemoteConfig, limits: JointLimits, levers: Sequence[float]) -> list[str]:
+def _age_row(age_ns: int, config: RemoteConfig, limits: JointLimits, levers: Sequence[float]) -> AgeRow:
     slowed = limits.scaled_speed(speed_scale_at(age_ns))
     full = float(slowed.velocity.max())
     before_s = age_ns / NS_PER_MS / MS + TICKS / config.control.rate_hz
     stop, (by_one_m, by_all_m) = rising_stop(slowed, levers, full), way(slowed, levers, full, before_s)
     whole = StopFigures(before_s + stop.seconds, by_one_m + stop.by_one_m, by_all_m + stop.by_all_m)
-    return [f"{age_ns / NS_PER_MS:g} ms", f"{figure(full)} rad/s", *_stop(whole)]
+    return AgeRow(age_ns / NS_PER_MS, full, whole)

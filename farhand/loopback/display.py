@@ -1,6 +1,5 @@
 """What a person sees of a loopback run: a progress bar with the state in words; at the end a table and pictures."""
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Self
@@ -9,27 +8,29 @@ import cv2
 import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from common.cameras.camera import Image
 from common.cameras.images import write_image
 from common.clock import NS_PER_MS
-from common.messages.hand import HandArm
 from common.text import escaped, file_name
 from farhand.loopback.figures import POINTS, Figures
+from farhand.loopback.logged import rows_of
 from farhand.loopback.recorder import CameraRecord, Record
-from remote_site.teleop.mapping import thesis_angles
+from farhand.terminal import table_of
 
 TILE_PX = (480, 360)
+BAR_WIDTH = 12
 
 
 class LiveSummary:
     """A progress bar over the seconds of a run, with the newest state of both sites."""
 
     def __init__(self, seconds: float) -> None:
-        columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn())
-        self._progress = Progress(*columns, console=Console(stderr=True))
+        words = TextColumn("{task.description}", markup=False, table_column=Column(ratio=1, no_wrap=True))
+        columns = (words, BarColumn(BAR_WIDTH), TimeElapsedColumn())
+        self._progress = Progress(*columns, console=Console(stderr=True), expand=True)
         self._task = self._progress.add_task("starting both sites", total=seconds or None)
 
     def __enter__(self) -> Self:
@@ -52,18 +53,9 @@ def _words(record: Record) -> str:
     if not record.states or not record.hands:
         return "waiting for both sites"
     state, hand = record.states[-1], record.hands[-1]
-    words = [f"{state.state.value}: {state.reason}", f"hand {hand.status.value}{_angles(hand)}"]
-    if state.obeyed is not None:
-        words.append(f"{(state.obeyed.command_ns - state.obeyed.capture_ns) / NS_PER_MS:.0f} ms to the command")
-    return escaped(", ".join(words))
-
-
-def _angles(hand: HandArm) -> str:
-    """The thesis's angles of the hand, in degrees, where it shows them."""
-    if hand.wrist is None or hand.index is None or hand.thumb is None:
-        return ""
-    angles = thesis_angles(*map(np.array, (hand.wrist, hand.index, hand.thumb)))
-    return " α {:.0f}° β {:.0f}° γ {:.0f}°".format(*map(math.degrees, angles))
+    obeyed = state.obeyed
+    late = "" if obeyed is None else f", {(obeyed.command_ns - obeyed.capture_ns) / NS_PER_MS:.0f} ms to the command"
+    return escaped(f"{state.state.value}, hand {hand.status.value}{late}; {state.reason}")
 
 
 def print_table(figures: Figures, console: Console) -> None:
@@ -72,10 +64,8 @@ def print_table(figures: Figures, console: Console) -> None:
     for name, value in _rows(figures):
         table.add_row(Text(escaped(name)), Text(value))
     console.print(table)
-    for event in figures["events"]:
-        console.print(escaped(f"event: {event}"), markup=False, highlight=False)
-    if figures["too_slow"] is not None:
-        console.print(figures["too_slow"], markup=False, highlight=False, soft_wrap=True)
+    if events := rows_of(figures["events"]):
+        console.print(table_of(("who", "level", "what happened"), events))
 
 
 def _rows(figures: Figures) -> list[tuple[str, str]]:

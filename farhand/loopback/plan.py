@@ -15,6 +15,7 @@ import msgspec
 from common.config import apply_setting, load_config, read_tables
 from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, known_keys, likeliest
+from farhand.loopback.page_port import page_port
 from farhand.loopback.scenario import arm_file, arm_settings, check_scenario, operator_settings, operator_wishes
 from farhand.loopback.site_process import free_ports
 from local_site.config import LocalConfig
@@ -32,7 +33,7 @@ S = TypeVar("S", bound=msgspec.Struct)
 
 @dataclass(frozen=True, slots=True)
 class LoopbackOptions:
-    """What the command line asks for; `configs` and `settings` are those of both sites."""
+    """What the command line asks for; `configs` and `settings` are those of both sites, `port` is the page's."""
 
     seconds: float = 30.0
     report: Path | None = None
@@ -42,6 +43,7 @@ class LoopbackOptions:
     arm: str | None = None
     save_views: Path | None = None
     headless: bool = False
+    port: int | None = None
     record: Path | None = None
     configs: tuple[Path, ...] = ()
     settings: tuple[str, ...] = ()
@@ -109,8 +111,8 @@ def plan_of(options: LoopbackOptions) -> Plan:
     given_remote = _remote_needs(given_remote, given_local.load().tracking.method)
     local, remote = given_local.load(), given_remote.load()
     check_scenario(local.tracking.method, options.arm, local.simulation.motion.name, remote.driver.name)
-    *ports, page = free_ports(4)
-    control, video, listen = (f"tcp/127.0.0.1:{port}" for port in ports)
+    control, video, listen = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
+    page, note = (0, "") if options.headless else page_port(options.port)
     cells = {site.load().cell for site in (given_remote, given_local) if site.gives("cell")}
     if len(cells) > 1:
         raise ConfigError(f"cell: the sites' files name different cells ({_list(cells)}); both sites must agree on it")
@@ -120,12 +122,13 @@ def plan_of(options: LoopbackOptions) -> Plan:
         remote=given_remote.setting(f"cell={cell}", f'links={{control="{control}", video="{video}"}}'),
         local=given_local.setting(f"cell={cell}", f'links={{remote="{control}", listen="{listen}"}}'),
         console=SitePlan(ConsoleConfig, None, (f"cell={cell}", f"operator={local.authority.name}", *links)),
-        notes=tuple(
-            f"{path}: its table [links] is not used; the loopback connects both sites itself"
-            for path in options.configs
-            if "links" in read_tables(path)
-        ),
+        notes=(*_unused_links(options.configs), *([note] if note else ())),
     )
+
+
+def _unused_links(paths: Iterable[Path]) -> list[str]:
+    words = "its table [links] is not used; the loopback connects both sites itself"
+    return [f"{path}: {words}" for path in paths if "links" in read_tables(path)]
 
 
 def _given(options: LoopbackOptions) -> tuple[SitePlan[RemoteConfig], SitePlan[LocalConfig]]:

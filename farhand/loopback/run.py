@@ -28,6 +28,7 @@ from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import SiteProcess, listens, start_site
 from farhand.loopback.slowness import too_slow
 from farhand.outputs import check_file, check_folder
+from farhand.terminal import aside, tell
 from farhand.tracking.run import prepare_tracker
 from local_site.acquisition.simulated_cameras import Beginning
 from local_site.simulation.operator import Operator as SimulatedOperator
@@ -42,6 +43,8 @@ SETTLE_TIMEOUT_S = 3.0
 POLL_S = 0.05
 READY = "event=ready"
 MAX_FOLLOW_MM = 50.0
+
+ShowPage = Callable[[str], str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,10 +112,10 @@ class RunningSites:
 
 
 class Loopback:
-    """One run from the start of both sites to its figures."""
+    """One run from the start of both sites to its figures; `shows` opens the page, or says why it cannot."""
 
-    def __init__(self, options: LoopbackOptions, should_stop: StopFlag) -> None:
-        self._options = options
+    def __init__(self, options: LoopbackOptions, should_stop: StopFlag, shows: ShowPage = lambda _: "") -> None:
+        self._options, self._shows = options, shows
         self._should_stop = should_stop
         self._plan = plan_of(options)
         self._remote, self._local = self._plan.remote.load(), self._plan.local.load()
@@ -203,7 +206,10 @@ class Loopback:
         port = self._plan.console.load().serve.port
         self._sites.start("console", self._plan.console.arguments, runtime)
         self._wait("the operator's page", START_TIMEOUT_S, lambda: listens(port))
-        live.print(f"the operator's page: http://127.0.0.1:{port}/")
+        url = f"http://127.0.0.1:{port}/"
+        live.print(f"the operator's page: {url}")
+        if instead := self._shows(url):
+            live.print(instead)
 
     @property
     def _engagement(self) -> Engagement | None:
@@ -256,35 +262,57 @@ def run_figures(record: Record, operator: LoopbackOperator, remote: RemoteConfig
     }
 
 
-def run_loopback(options: LoopbackOptions, should_stop: StopFlag) -> None:
-    """Run, print the table, write report and views; ProcessError when a site dies or the arm does not follow.
+def run_loopback(
+    options: LoopbackOptions, should_stop: StopFlag, *, as_json: bool = False, shows: ShowPage = lambda _: ""
+) -> None:
+    """Run, print, write report and views; ProcessError when a site dies or the arm does not follow.
 
-    The table is printed once the arm has followed, also where a site has died since. InterruptionError, with what was
-    measured printed and written, when a person ended a run before its time.
+    The figures are printed, as a table or as JSON, once the arm has followed, also where a site has died since. The
+    last line says whether all is good, this machine was too slow (for what), or something is broken.
+    InterruptionError, with what was measured printed and written, when a person ended a run before its time.
     """
     if options.report is not None:
         check_file("--report", options.report)
     check_folder("--save-views", options.save_views)
     if options.record is not None and options.record.exists():
         raise ConfigError(f"--record {options.record} exists already; give a new file")
-    loop = Loopback(options, should_stop)
+    loop = Loopback(options, should_stop, shows)
     try:
         figures = loop.run()
     except ProcessError as error:
         failure = explained(error, views_are_simulated=loop.views_are_simulated)
-        slow = loop.slowness() if failure is error else None
-        raise (ProcessError(f"{failure}\n{slow}") if slow else failure) from error
-    print_table(figures, Console())
+        raise judged_failure(failure, loop.slowness() if failure is error else None) from error
+    if as_json:
+        tell((), figures, as_json=True)
+    else:
+        print_table(figures, Console())
     if options.report is not None:
         write_report(options.report, figures)
     if options.save_views is not None:
         save_camera_views(loop.record.cameras, options.save_views)
         save_overview((*loop.record.cameras, *loop.operator_views), options.save_views)
     if loop.failure is not None:
-        raise loop.failure
+        raise judged_failure(loop.failure, figures["too_slow"]) from loop.failure
     if should_stop() and (options.seconds or not figures["engagements"]):
         raise InterruptionError("interrupted")
-    check_followed(figures)
+    try:
+        check_followed(figures)
+    except ProcessError as error:
+        raise judged_failure(error, figures["too_slow"]) from error
+    aside(as_json=as_json)(figures["too_slow"] or praise(figures))
+
+
+def judged_failure(failure: ProcessError, too_slow: str | None) -> ProcessError:
+    """A run's failure: broken, unless this machine was too slow, which the last line then says."""
+    return ProcessError(f"{failure}\n{too_slow}" if too_slow else f"broken: {failure}")
+
+
+def praise(figures: Figures) -> str:
+    """The last line of a run in which all is good."""
+    took_ms = figures["capture_to_command_ms"]["p50"]
+    command = "" if took_ms is None else f", {took_ms:.0f} ms from exposure to command"
+    share, off_mm = figures["followed_share"], figures["follow_mm"]["mean"]
+    return f"good: the arm followed for {share:.1%} of the time, {off_mm:.1f} mm off the hand{command}"
 
 
 def write_report(path: Path, figures: Figures) -> None:

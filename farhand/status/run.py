@@ -20,11 +20,11 @@ from common.messages.base import Message
 from common.messages.requests import DescribeQuestion
 from common.messages.robot import VideoTrouble
 from common.process.service import StopFlag
-from farhand.authority.asking import link_to
+from farhand.authority.asking import link_to, no_answer, remote_at
 from farhand.status.observed import OVER_NS, Observed
 from farhand.status.screen import as_lines, screen
-from farhand.status.words import rows_of
-from farhand.terminal import say
+from farhand.status.words import as_builtins, rows_of
+from farhand.terminal import say, tell
 from local_site.console.config import ConsoleConfig
 
 M = TypeVar("M", bound=Message)
@@ -42,7 +42,8 @@ class StatusWatch:
         self._config, self._stack = config, stack
         self._threads: list[threading.Thread] = []
         stack.callback(self._join)  # once the links are closed
-        self._control = control = stack.enter_context(link_to(config.cell, config.links.control, security=config.links))
+        asked = remote_at(config.links.control)
+        self._control = control = stack.enter_context(link_to(config.cell, asked, security=config.links))
         self._clock = RemoteClock(control, config.cell)
         self._video: Link | None = None
         self._counts = False
@@ -114,6 +115,16 @@ def show_status(config: ConsoleConfig, should_stop: StopFlag, console: Console, 
             _show_live(watch, should_stop, console, pictures=pictures)
 
 
+def print_status(config: ConsoleConfig, should_stop: StopFlag, *, pictures: bool) -> None:
+    """Print the status once, as JSON; errors as `show_status`."""
+    with ExitStack() as stack:
+        watch = StatusWatch(config, stack)
+        _await_state(watch, should_stop, pictures=pictures)
+        _count(watch, should_stop, pictures=pictures)
+        if (state := watch.seen.state) is not None:
+            tell((), as_builtins(watch.seen, state, time.monotonic_ns(), version("farhand")), as_json=True)
+
+
 def _await_state(watch: StatusWatch, should_stop: StopFlag, *, pictures: bool) -> None:
     deadline = time.monotonic() + PATIENCE_S
     while watch.seen.state is None:
@@ -121,21 +132,21 @@ def _await_state(watch: StatusWatch, should_stop: StopFlag, *, pictures: bool) -
             raise InterruptionError("interrupted")
         if time.monotonic() > deadline:
             seen = watch.seen
-            raise TransportError(
-                f"no site of cell {seen.cell} answers at {seen.endpoint}: check that 'farhand remote' runs there, and "
-                "that --cell and --remote, or links.control of --config, name it; 'farhand doctor --config FILE' looks "
-                "at the rest"
-            )
+            raise TransportError(no_answer(f"cell {seen.cell}", remote_at(seen.endpoint)))
+        watch.measure(pictures=pictures)
+        should_stop.wait(REFRESH_S)
+
+
+def _count(watch: StatusWatch, should_stop: StopFlag, *, pictures: bool) -> None:
+    """Watch for as long as rates are measured over."""
+    deadline_ns = time.monotonic_ns() + OVER_NS
+    while time.monotonic_ns() < deadline_ns and not should_stop():
         watch.measure(pictures=pictures)
         should_stop.wait(REFRESH_S)
 
 
 def _show_once(watch: StatusWatch, should_stop: StopFlag, console: Console, *, pictures: bool) -> None:
-    """After as long as rates are measured over."""
-    deadline_ns = time.monotonic_ns() + OVER_NS
-    while time.monotonic_ns() < deadline_ns and not should_stop():
-        watch.measure(pictures=pictures)
-        should_stop.wait(REFRESH_S)
+    _count(watch, should_stop, pictures=pictures)
     state = watch.seen.state
     if state is None:
         return

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.link.channels import STATE
@@ -56,6 +57,25 @@ def rows_of(seen: Observed, state: RobotState, now_ns: int, software: str) -> li
         _recorder(state),
         *_cell(seen, software),
     ]
+
+
+def as_builtins(seen: Observed, state: RobotState, now_ns: int, software: str) -> dict[str, Any]:
+    """The status for programs: the rows, and the state as docs/wire-protocol.md has it."""
+    return {
+        "cell": seen.cell,
+        "endpoint": seen.endpoint,
+        "rows": rows_of(seen, state, now_ns, software),
+        "state": state,
+        "description": seen.description,
+        "state_age_ms": (now_ns - seen.received_ns) / NS_PER_MS,
+        "states_a_second": seen.state_rate.at(now_ns),
+        "round_trip_ms": seen.round_trip_ms,
+        "cameras": {name: _camera_builtins(camera, now_ns) for name, camera in seen.cameras.items()},
+    }
+
+
+def _camera_builtins(camera: ObservedCamera, now_ns: int) -> dict[str, Any]:
+    return {"status": camera.status, "reason": camera.reason, "pictures_a_second": camera.rate.at(now_ns)}
 
 
 def _silence(seen: Observed, now_ns: int) -> Iterator[Row]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+import msgspec
 import numpy as np
 from rich.box import SIMPLE
 from rich.table import Table
@@ -46,6 +47,17 @@ def as_table(task: TaskFile) -> Table:
         dwell = f"{point.dwell_s:g}" if point.dwell_s else ""
         table.add_row(str(number), *numbers, point.gripper or "", dwell)
     return table
+
+
+def as_builtins(task: TaskFile) -> dict[str, Any]:
+    """The same for programs."""
+    path = planned_path(task)
+    points = zip(task.waypoints, path.marks, strict=True)
+    return {
+        "name": task.task.name,
+        "duration_s": path.duration_s,
+        "way_points": [{"at_s": at_s, **msgspec.structs.asdict(point)} for point, at_s in points],
+    }
 
 
 def in_short(task: TaskFile, path: ToolTrajectory) -> str:

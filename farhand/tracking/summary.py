@@ -4,6 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -78,10 +79,26 @@ def describe(summary: Summary, written: Sequence[Path]) -> str:
         f"points found: {found}; gripper toggles: {summary.gripper_toggles}",
         f"{median:.1f} ms per pair (p95 {p95:.1f}); written to {', '.join(map(str, written))}",
     ]
-    warnings = [
-        sentence for sentence in (*summary.damages, summary.left_out, summary.misfit or summary.drift) if sentence
-    ]
-    return "\n".join([*lines, *(f"warning: {sentence}" for sentence in warnings)])
+    return "\n".join([*lines, *(f"warning: {sentence}" for sentence in _warnings(summary))])
+
+
+def _warnings(summary: Summary) -> list[str]:
+    return [sentence for sentence in (*summary.damages, summary.left_out, summary.misfit or summary.drift) if sentence]
+
+
+def as_builtins(summary: Summary, written: Sequence[Path]) -> dict[str, Any]:
+    """The same for programs; the time a pair takes is None where there is none."""
+    median, p95 = np.percentile(summary.ms, [50, 95]).tolist() if summary.ms else (None, None)
+    return {
+        "pairs": summary.pairs,
+        "usable": summary.usable,
+        "statuses": summary.statuses,
+        "found": summary.found,
+        "gripper_toggles": summary.gripper_toggles,
+        "ms": {"p50": median, "p95": p95},
+        "written": written,
+        "warnings": _warnings(summary),
+    }
 
 
 def refuse_nothing(summary: Summary) -> None:

@@ -121,7 +121,7 @@ class SimulatedCameras:
         operator = make_operator(config, _led_by(config.motion, self._beginning))
         clock = MonotonicClock()
         self.start_ns = clock.now_ns()
-        if config.motion.begins == "at_once":
+        if config.motion.begins == "at_once" or config.motion.led_by:
             self._beginning.set(self.start_ns)
         self.rig: Rig = filming_rig(config)
         period_ns, offset_ns = round(NS_PER_S / config.fps), round(config.phase_offset_ms * NS_PER_MS)

@@ -17,6 +17,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketDisconnected
 
 from common.errors import ConfigError, MessageError, TransportError
+from common.link.port_holders import why_not_bound
 from local_site.console.config import ServeConfig
 from local_site.console.doorway import Doorway, DoorwayProtocol, Handshake
 from local_site.console.gate import Gate
@@ -41,8 +42,9 @@ def bind(serve: ServeConfig, option: str = "--set serve.port=PORT") -> socket.so
             f"cannot serve at {serve.host}: {error.strerror}; set serve.host to an address of this host"
         ) from error
     except OSError as error:
+        another = f"another with {option}"
         raise TransportError(
-            f"cannot serve at {serve.host}:{serve.port}: {error.strerror}; choose another with {option}"
+            f"cannot serve at {serve.host}:{serve.port}: {why_not_bound(error, serve.port, another)}"
         ) from error
 
 

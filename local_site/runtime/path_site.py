@@ -29,14 +29,16 @@ from local_site.runtime.loop import SampleSender
 from local_site.runtime.recorder_relay import RecorderRelay
 
 PERIOD_NS = NS_PER_S // 60
-ASK_AGAIN_S = 0.5
+PATIENCE_NS = 30 * NS_PER_S  # for the remote site to start
+ASK_AGAIN_S, LONGEST_WAIT_S = 0.5, 8.0  # each wait twice the last
 
 
 def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, tell: Callable[[str], object]) -> None:
     """Publish the hand until asked to stop; `tell` gets what the run does, when that changes.
 
     It takes the place of `farhand local` on this host: the operator's page is connected to it as to that.
-    ProcessError while that runs; FarhandError for a cell that the path is not for.
+    TransportError while that runs, or where the remote site does not answer; FarhandError for a cell that the path is
+    not for.
     """
     start_log("path", LogFormat.TEXT)
     links, wanted, clock = config.links, config.authority, MonotonicClock()
@@ -44,7 +46,7 @@ def run_path(config: LocalConfig, program: PathProgram, should_stop: StopFlag, t
         check_links((links.remote, links.listen), links, config.bearer)
         _check_alone(links.listen, links)
         with open_link(listen=(links.listen,), connect=(links.remote,), security=links, in_lanes=True) as link:
-            cell = _description(link, config.cell, should_stop)
+            cell = described_cell(link, config.cell, links.remote, clock, should_stop)
             if cell is None:
                 return
             program.check_cell(cell)
@@ -68,7 +70,7 @@ def _check_alone(endpoint: str, security: LinkSecurity) -> None:
     except RefusedError:
         raise
     except TransportError as error:
-        raise TransportError(f"{error} Stop 'farhand local' on this host: this takes its place") from error
+        raise TransportError(f"{error}. Stop 'farhand local' on this host: this takes its place") from error
 
 
 @dataclass(frozen=True)
@@ -85,14 +87,25 @@ def _no_camera(config: LocalConfig, link: Link, program: PathProgram) -> NoCamer
     return NoCamera(wires, f"no camera is used: a {program.kind} path is run, {program.name}")
 
 
-def _description(link: Link, cell: str, should_stop: StopFlag) -> Description | None:
-    """What the cell is, as soon as it answers; None when asked to stop before."""
+def described_cell(link: Link, cell: str, endpoint: str, clock: Clock, should_stop: StopFlag) -> Description | None:
+    """What the cell at an endpoint is, as soon as it answers; None when asked to stop before.
+
+    It is asked more and more rarely. TransportError, which names the endpoint, where it has not answered in 30 s.
+    """
+    give_up_ns, wait_s = clock.now_ns() + PATIENCE_NS, ASK_AGAIN_S
     while not should_stop():
         found = link.ask(DESCRIBE, cell, DescribeQuestion())
         if found is not None:
             return found
-        structlog.get_logger().warning("the remote site does not answer", cell=cell, cure="start it")
-        should_stop.wait(ASK_AGAIN_S)
+        left_s = (give_up_ns - clock.now_ns()) / NS_PER_S
+        if left_s <= 0:
+            link.check_connected()
+            cure = link.why_silent() or "start it there with 'farhand remote', or correct cell and links.remote"
+            raise TransportError(f"no remote site of cell {cell} answers at {endpoint}: {cure}")
+        waiting = {"cell": cell, "endpoint": endpoint, "waits_s": round(left_s)}
+        structlog.get_logger().warning("the remote site does not answer", **waiting, cure="start it")
+        should_stop.wait(min(wait_s, left_s))
+        wait_s = min(2 * wait_s, LONGEST_WAIT_S)
     return None
 
 

@@ -62,7 +62,7 @@ class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     begins: Annotated[
         Literal["at_once", "when_engaged"],
         Meta(description="with the cameras, or once the arm is engaged, as an operator waits for it"),
-    ] = "at_once"
+    ] = "when_engaged"
     led_by: Annotated[
         str,
         Meta(
@@ -86,10 +86,6 @@ class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
             ge=-180, le=180, description="hand about its own length, 0 is thumb ahead, 90 the palm towards the cameras"
         ),
     ] = 0.0
-
-    def __post_init__(self) -> None:
-        if self.led_by and self.begins != "at_once":
-            raise ValueError('a hand that is led begins at once: leave begins = "when_engaged" out')
 
 
 class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

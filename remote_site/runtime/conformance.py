@@ -2,7 +2,7 @@
 
 import gc
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Mapping
 from functools import partial
 
 import msgspec
@@ -31,8 +31,8 @@ UNCOUNTED = (
 )
 
 
-def test_driver(config: RemoteConfig, report: Callable[[str], None], should_stop: StopFlag) -> Collection[Verdict]:
-    """Run every check on the configured driver and report a line each; their verdicts.
+def test_driver(config: RemoteConfig, report: Callable[[str], None], should_stop: StopFlag) -> Mapping[str, Verdict]:
+    """Run every check on the configured driver and report a line each; the verdicts by the checks' names.
 
     InterruptionError, once the robot rests, when asked to stop.
     """
@@ -50,10 +50,10 @@ def test_driver(config: RemoteConfig, report: Callable[[str], None], should_stop
         ask_for_real_time(FIFO_PRIORITY)  # as the driver's process does
         gc.collect()
         gc.freeze()  # as there: collecting all that was imported takes as long as a call may
-        verdicts = verdicts_of(stand, report).values()
+        verdicts = verdicts_of(stand, report)
     finally:
         children.end()
-    report(f"{name}: {_summary(list(verdicts))}")
+    report(f"{name}: {_summary(list(verdicts.values()))}")
     return verdicts
 
 

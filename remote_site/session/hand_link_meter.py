@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
-from common.messages.hand import HandArm
+from common.messages.hand import HandArm, TrackingStatus
 from common.messages.robot import HandLink
 
 WINDOW_NS = 5 * NS_PER_S
@@ -26,11 +26,15 @@ class SampleAge:
 
     @classmethod
     def of(cls, sample: HandArm, offset: ClockOffset, now_ns: int) -> "SampleAge":
-        """The age now; what a sender that does not tell when it sent took for tracking counts as network."""
+        """The age now; what a sender that does not tell when it sent took for tracking counts as network.
+
+        While the arm is still being learned nothing can be followed, and tracking takes longer: then it counts as none.
+        """
         sent_ns = sample.capture_ns if sample.sent_ns is None else max(sample.sent_ns, sample.capture_ns)
         age_ns = offset.age_ns(sample.capture_ns, now_ns)
         tracking_ns = sent_ns - sample.capture_ns
-        return cls(tracking_ns, age_ns - tracking_ns - offset.uncertainty_ns, offset.uncertainty_ns)
+        counted_ns = 0 if sample.status is TrackingStatus.INITIALISING else tracking_ns
+        return cls(counted_ns, age_ns - tracking_ns - offset.uncertainty_ns, offset.uncertainty_ns)
 
     @property
     def total_ns(self) -> int:

@@ -19,6 +19,7 @@ case "$1 $2" in
   "-m pip") for source in "$@"; do :; done
     test -f "${source%\\[sim,video,learned]}/pyproject.toml" || exit 1
     folder=$(dirname "$0") && printf '#!%s/python\\n' "$folder" > "$folder/farhand" && echo pip >> "$folder/../calls" ;;
+  "-m farhand") test "$3 $4 $5" = "config schema --out" && mkdir -p "$6" && echo '{}' > "$6/remote.json" ;;
 esac
 """
 
@@ -161,5 +162,5 @@ def test_nothing_of_the_working_folder_is_run(tmp_path: Path) -> None:
     )  # fmt: skip
     assert not (tmp_path / "ran").exists()
     calls = [line.partition(" -m ") for line in done.stdout.splitlines() if " -m " in line]
-    assert [after.split()[0] for _, _, after in calls] == ["venv", "pip"]
+    assert [after.split()[0] for _, _, after in calls] == ["venv", "pip", "farhand"]
     assert all(before.endswith(" -I") for before, _, _ in calls)

@@ -1,5 +1,6 @@
 """What the other site, a driver or an operator says does nothing to the terminal of who reads it."""
 
+import re
 import sys
 from collections.abc import Callable
 from io import StringIO
@@ -10,7 +11,6 @@ from rich.console import Console
 
 from common.errors import ConfigError, FarhandError, RefusedError, TransportError
 from common.geometry import Array
-from farhand.authority.lease import describe_lease
 from farhand.cli import main
 from farhand.doctor.findings import as_text, warning
 from farhand.loopback.display import LiveSummary, print_table
@@ -77,11 +77,11 @@ def test_a_refusal_is_one_harmless_line(
 def test_a_driver_under_test_says_harmless_lines(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def test_driver(config: object, report: Callable[[str], None], should_stop: object) -> list[Verdict]:
+    def test_driver(config: object, report: Callable[[str], None], should_stop: object) -> dict[str, Verdict]:
         assert config is not None
         assert should_stop is not None
         report(SAID)
-        return [Verdict.PASSED]
+        return {"rests": Verdict.PASSED}
 
     monkeypatch.setattr("remote_site.runtime.conformance.test_driver", test_driver)
     run(("driver", "test", "kinematic"), monkeypatch)
@@ -92,7 +92,7 @@ def test_the_lease_is_shown_a_line_for_each_fact(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     spoken = replace(STATE, readiness=replace(STATE.readiness, reason=SAID))
-    monkeypatch.setattr("farhand.authority.lease.show_lease", lambda *_: describe_lease(spoken))
+    monkeypatch.setattr("farhand.authority.lease.seen_state", lambda *_: spoken)
     run(("lease", "show"), monkeypatch)
     assert capsys.readouterr().out.splitlines()[-1].endswith(SHOWN)
 
@@ -123,6 +123,25 @@ def test_a_run_of_both_sites_shows_every_word_of_theirs(capsys: pytest.CaptureFi
     told = capsys.readouterr().err
     assert SHOWN in told
     assert not set(told) & set("\x1b\x07\u202e")
+
+
+def test_the_line_of_a_run_fits_a_terminal_with_its_bar_and_its_time(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("TTY_COMPATIBLE", "1")  # rich's word for a terminal
+    monkeypatch.setenv("TERM", "xterm")
+    record = Record()
+    record.states.append(replace(STATE, reason="the arm waits for the hand, " * 9))
+    record.hands.append(HAND)
+    with LiveSummary(30.0) as live:
+        live.show(4.0, record)
+    lines = [re.sub(r"\x1b\[[?\d;]*[A-Za-z]", "", line) for line in re.split(r"[\r\n]", capsys.readouterr().err)]
+    assert max(map(len, lines)) <= 80
+    last = [line for line in lines if line.strip()][-1]
+    assert last.startswith("engaged, hand tracked")
+    assert last.endswith("0:00:00")
+    assert "━" in last
 
 
 def test_a_bar_is_on_standard_error_and_nothing_is_where_no_work_was_shown(

@@ -32,6 +32,7 @@ LIGHT_LOCAL = (
     "simulation.markers=true",
     "tracking.method=markers",
     "simulation.motion.name=figure_of_eight",
+    "simulation.motion.begins=at_once",
     *(f"simulation.stereo.{key}={value}" for key, value in SMALL_PICTURES.items()),
 )
 

@@ -71,7 +71,7 @@ def test_a_driver_that_cannot_be_configured_is_named_with_its_reason(tmp_path: P
     install(tmp_path, "mute", DRIVER, "Mute")
     code, line = last_line(tmp_path, "driver.name=mute", f"engagement.automatic_accepted={ACCEPTANCE}")
     assert code == 1
-    assert line.startswith("farhand: the remote process ended (exit code 1): remote: process driver died")
+    assert line.startswith("farhand: broken: the remote process ended (exit code 1): remote: process driver died")
     assert line.endswith("ValueError: no arm answers at address 7")
 
 
@@ -81,7 +81,7 @@ def test_what_was_measured_is_printed_where_a_site_dies_after_the_arm_followed(t
     assert done.returncode == 1
     assert "exposure to joint command, ms" in done.stdout
     last = done.stderr.splitlines()[-1]
-    assert last.startswith("farhand: the remote process ended (exit code 1): remote: process driver died")
+    assert last.startswith("farhand: broken: the remote process ended (exit code 1): remote: process driver died")
 
 
 def test_a_urdf_that_cannot_be_read_is_named_with_its_reason(tmp_path: Path) -> None:
@@ -89,5 +89,5 @@ def test_a_urdf_that_cannot_be_read_is_named_with_its_reason(tmp_path: Path) -> 
     model.write_text("<robot")
     code, line = last_line(tmp_path, "driver.name=kinematic", f"robot.model={model}")
     assert code == 1
-    assert line.startswith("farhand: the remote process ended (exit code 2): ")
+    assert line.startswith("farhand: broken: the remote process ended (exit code 2): ")
     assert f"cannot read the robot model {model}" in line

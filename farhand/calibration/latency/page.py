@@ -12,6 +12,7 @@ import msgspec
 
 from common.clock import Clock
 from common.errors import ConfigError
+from common.link.port_holders import why_not_bound
 from farhand.calibration.latency.pattern import HOLD_MS, PageReport, sequence
 
 HOST = "127.0.0.1"
@@ -39,7 +40,7 @@ class PatternPage:
         try:
             self._server = ThreadingHTTPServer((HOST, port), handler)
         except OSError as error:
-            raise ConfigError(f"--port {port}: {error.strerror}; choose another, or leave it out") from error
+            raise ConfigError(f"--port {port}: {why_not_bound(error, port)}, or leave it out") from error
         self.url = f"http://{HOST}:{self._server.server_port}/{token}/"
         self._thread = threading.Thread(target=self._server.serve_forever, daemon=True, name="pattern page")
         self._thread.start()

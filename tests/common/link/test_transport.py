@@ -213,7 +213,7 @@ def test_nobody_answering_is_an_error() -> None:
 
 def test_a_taken_port_is_an_error_that_says_so() -> None:
     endpoint = free_endpoint()
-    with open_link(listen=(endpoint,)), pytest.raises(TransportError, match="port taken"):
+    with open_link(listen=(endpoint,)), pytest.raises(TransportError, match="has this port; end it, or choose another"):
         open_link(listen=(endpoint,))
 
 

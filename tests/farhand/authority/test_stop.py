@@ -82,7 +82,7 @@ def test_without_an_answer_a_stop_is_asked_again_until_the_time_is_up(monkeypatc
     monkeypatch.setattr("common.link.request_client.PATIENCE_NS", 1000 * NS_PER_MS)
     asked = []
     monkeypatch.setattr("common.link.transport.Link.ask", lambda *given, **_: asked.append(given[3]))
-    with pytest.raises(TransportError, match=re.escape(NOT) + "nobody answered"):
+    with pytest.raises(TransportError, match=re.escape(NOT) + "no site of cell"):
         request_stop(CELL, f"tcp/127.0.0.1:{free_port()}", ANNA)
     assert len(asked) >= 3
 

@@ -5,8 +5,11 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+
+from farhand.commands.completion import arm_names, experiment_names, motion_names, setting_keys
 
 PROGRAM = "#!{python}\nimport sys\nsys.path[:0] = {path!r}\nfrom farhand.__main__ import main\nmain()\n"
 COMPLETE = """
@@ -43,6 +46,41 @@ def test_commands_options_and_choices_are_completed(completed) -> None:
     assert completed("maintenance", "") == ["stop", "reset"]
     assert {"--config", "--set", "--save-views"} <= set(completed("local", "--"))
     assert completed("track", "--tracker", "m") == ["markers", "monocular"]
+
+
+def test_names_and_keys_are_completed_and_files_are_left_to_the_shell(completed) -> None:
+    assert completed("config", "show", "remote-") == ["remote-assist", "remote-thesis"]
+    assert completed("loopback", "--driver", "k") == ["kinematic"]
+    assert completed("remote", "--set", "robot.limits") == ["robot.limits_factor="]
+    assert completed("local", "--config", "loc") == []
+
+
+@pytest.mark.parametrize(
+    ("words", "incomplete", "keys", "others"),
+    [
+        ("remote", "safety.t_", {"safety.t_soft_ms=", "safety.t_latch_ms="}, set()),
+        ("local", "", {"simulation.motion.name=", "operator.left="}, {"robot.speed="}),
+        ("loopback", "", {"simulation.motion.name=", "robot.speed="}, {"serve.port="}),
+        ("teach run", "", {"operator.left="}, {"robot.speed="}),
+        ("driver test", "dr", {"driver.name="}, {"drift.misfit_sigmas="}),
+        ("console", "serve.p", {"serve.port="}, set()),
+        ("router", "list", {"listen="}, set()),
+    ],
+)
+def test_a_command_completes_the_keys_of_the_sites_whose_settings_it_takes(
+    words: str, incomplete: str, keys: set[str], others: set[str]
+) -> None:
+    context = SimpleNamespace(command_path=f"farhand {words}")
+    found = set(setting_keys(context, incomplete))
+    assert keys <= found
+    assert not others & found
+    assert all(key.startswith(incomplete) for key in found)
+
+
+def test_motions_arms_and_experiments_are_those_that_there_are() -> None:
+    assert motion_names("rotate") == ["rotate_x", "rotate_y", "rotate_z"]
+    assert arm_names("f") == ["fr3"]
+    assert experiment_names("a") == ["all"]
 
 
 def test_run_as_a_module_it_writes_the_same_script() -> None:

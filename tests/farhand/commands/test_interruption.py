@@ -12,9 +12,18 @@ from farhand.loopback.plan import LoopbackOptions
 from farhand.loopback.recorder import Record
 from farhand.loopback.run import run_loopback
 
+SLOW = "this machine was too slow: the tracking was late"
+
 
 def figures(engagements, mean):
-    return {"engagements": engagements, "follow_mm": {"mean": mean}, "stopped": None, "followed_share": 1.0}
+    return {
+        "engagements": engagements,
+        "follow_mm": {"mean": mean},
+        "stopped": None,
+        "followed_share": 0.973,
+        "too_slow": None,
+        "capture_to_command_ms": {"p50": 13.2},
+    }
 
 
 @pytest.fixture
@@ -57,8 +66,22 @@ def test_an_endless_run_that_a_person_ends_is_done_once_the_arm_has_followed(run
 
 
 def test_an_arm_that_did_not_follow_is_a_failure_still(run):
-    with pytest.raises(ProcessError, match="never engaged"):
+    with pytest.raises(ProcessError, match=r"^broken: the arm was never engaged$"):
         run(figures(0, None), seconds=30.0, interrupted=False)
+
+
+def test_the_last_line_says_good_or_too_slow(run, capsys):
+    run(figures(1, 4.44), seconds=30.0, interrupted=False)
+    assert capsys.readouterr().out == (
+        "good: the arm followed for 97.3% of the time, 4.4 mm off the hand, 13 ms from exposure to command\n"
+    )
+    run(figures(1, 4.44) | {"too_slow": SLOW}, seconds=30.0, interrupted=False)
+    assert capsys.readouterr().out == f"{SLOW}\n"
+
+
+def test_a_failure_of_a_machine_that_is_too_slow_is_not_called_broken(run):
+    with pytest.raises(ProcessError, match=rf"^the arm was never engaged\n{SLOW}$"):
+        run(figures(0, None) | {"too_slow": SLOW}, seconds=30.0, interrupted=False)
 
 
 def test_an_interruption_has_an_exit_code_of_its_own(monkeypatch, capsys):

@@ -82,7 +82,7 @@ def test_a_track_takes_its_parameters_from_the_local_sites_file_and_from_setting
     [
         ("tracking.method=foo", "choose one of silhouette, markers"),
         ("tracking.metod=markers", "did you mean method?"),
-        ("tracking.silhouette.right_arm=left", "Expected `bool`"),
+        ("tracking.silhouette.right_arm=left", "give true or false"),
     ],
 )
 def test_misuse_of_a_setting_names_the_cure(monkeypatch, setting, cure):

@@ -55,10 +55,12 @@ def test_everything_is_written_once_and_nothing_is_overwritten(tmp_path: Path) -
     folder = tmp_path / "my" / "cell"
     first = CliRunner().invoke(app, ["config", "init", str(folder)])
     assert first.exit_code == 0
-    written = {path.name: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    named = {line.partition("\n")[0] for line in (path.read_text() for path in folder.glob("*.toml"))}
+    assert named == {f"#:schema {path.relative_to(folder)}" for path in (folder / "schemas").iterdir()}
+    written = {path.name: path.read_bytes() for path in folder.rglob("*") if path.suffix in (".toml", ".service")}
     shipped = {path.name: path.read_bytes() for room in ("sites", "systemd") for path in (HERE / room).iterdir()}
     assert written == shipped
-    assert all(f"wrote {folder}" in line for line in first.output.splitlines()[: len(shipped)])
+    assert all(f"wrote {folder}" in line for line in first.output.splitlines()[:-1])
     (folder / "remote.toml").write_text('cell = "mine"\n')
     (folder / "local.toml").unlink()
     (folder / "local.toml").symlink_to(tmp_path / "nowhere")
@@ -83,3 +85,8 @@ def test_a_units_configuration_is_shipped() -> None:
     named = {re.findall(r"--config /etc/farhand/(\w+)\.toml", text)[0] for text in started}
     assert len(started) == 6
     assert named <= set(NAMES)
+
+
+def test_a_hand_started_pairs_operator_waits_for_the_engagement() -> None:
+    shipped = load_config(LocalConfig, HERE / "sites" / "local.toml")
+    assert shipped.simulation.motion.begins == LocalConfig().simulation.motion.begins == "when_engaged"

@@ -1,12 +1,12 @@
 """The doctor's judgements over made-up facts: each level, and a cure wherever something is to be done."""
 
-import json
 from dataclasses import replace
 
+import msgspec
 import pytest
 
 from farhand.doctor import arm, cameras, landmarks, machine, site
-from farhand.doctor.findings import Finding, Severity, as_json, as_text, error, ok, warning, worst
+from farhand.doctor.findings import Finding, Severity, as_builtins, as_text, error, ok, warning, worst
 
 SHARED = "/run/shared"
 LANDMARKS = landmarks.LandmarkFacts("2.3.0", "/m", (), "farhand models install")
@@ -128,6 +128,11 @@ def test_findings_are_told_to_people_and_to_programs() -> None:
         "           cure: mend",
         "1 ok, 1 warning, 0 error",
     ]
-    told = json.loads(as_json(found))
+    told = as_builtins(found)
     assert told["worst"] == "warning"
-    assert told["findings"][1] == {"check": "b", "level": "warning", "sentence": "poor", "cure": "mend"}
+    assert msgspec.to_builtins(told["findings"][1]) == {
+        "check": "b",
+        "level": "warning",
+        "sentence": "poor",
+        "cure": "mend",
+    }

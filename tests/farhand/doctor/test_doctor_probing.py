@@ -21,12 +21,12 @@ from common.cameras.settings import CameraSettings
 from common.clock import NS_PER_MS, FakeClock
 from common.link.channels import CLOCK
 from common.link.config import ON_THIS_HOST
+from common.link.port_holders import holder_of_device, listener_on
 from common.link.transport import open_link
 from common.messages.requests import ClockAnswer
 from farhand.cli import app
 from farhand.doctor.cameras import check_camera, probe_camera, probe_rig
 from farhand.doctor.findings import Severity
-from farhand.doctor.processes import holder_of_device, listener_on
 from farhand.doctor.run import examine, which_site
 from farhand.doctor.site import probe_clock, probe_port
 from farhand.loopback.site_process import free_ports

@@ -31,7 +31,7 @@ def test_without_egl_the_last_line_names_the_packages(monkeypatch, capsys) -> No
         farhand.cli.main()
     assert ended.value.code == 1
     *_, why, packages = capsys.readouterr().err.splitlines()
-    assert why.startswith("farhand: simulated views need EGL")
+    assert why.startswith("farhand: broken: simulated views need EGL")
     assert packages == f"install what is missing, {CURE}"
     assert "libegl1" in CURE
 

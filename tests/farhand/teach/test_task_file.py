@@ -49,7 +49,7 @@ def test_a_number_that_is_not_finite_and_a_single_way_point_are_refused(tmp_path
     with pytest.raises(ConfigError, match="finite"):
         load_task(file)
     file.write_text(as_toml(TASK).rpartition("[[waypoints]]")[0])
-    with pytest.raises(ConfigError, match=r"waypoints: a list of 1 is not allowed: Expected `array` of length >= 2"):
+    with pytest.raises(ConfigError, match=r"waypoints: a list of 1 is not allowed: give a list of at least 2"):
         load_task(file)
 
 

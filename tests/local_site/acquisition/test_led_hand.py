@@ -80,8 +80,6 @@ def test_the_cameras_film_where_the_hand_is_led(tmp_path):
         source.close()
 
 
-def test_a_led_hand_waits_for_no_engagement_and_is_of_no_textured_arm():
-    with pytest.raises(ValueError, match="begins at once"):
-        MotionConfig(led_by="hand", begins="when_engaged")
+def test_a_led_hand_is_of_no_textured_arm():
     with pytest.raises(ValueError, match="led_by"):
         SimulationConfig(textured=True, motion=MotionConfig(led_by="hand"))

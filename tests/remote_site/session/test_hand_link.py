@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS, ClockOffset
-from common.messages.hand import HandArm
+from common.messages.hand import HandArm, TrackingStatus
 from common.messages.robot import HandLink
 from remote_site.session.hand_link_meter import MOST_ARRIVALS, HandLinkMeter, SampleAge
 from remote_site.session.hand_link_verdict import judged
@@ -70,6 +70,21 @@ def test_the_figures_are_measured_five_times_a_second() -> None:
         arrive(meter, seq, network_ms=90.0)
     assert meter.figures(now_ns + 200 * NS_PER_MS - 1) is first
     assert measured(meter, now_ns + 200 * NS_PER_MS).network_ms == 90.0
+
+
+def test_how_long_tracking_takes_while_it_learns_the_arm_is_no_age() -> None:
+    meter, offset = HandLinkMeter(), ClockOffset(APART_MS * NS_PER_MS, 40 * NS_PER_MS)
+    for seq in range(10):
+        now_ns = round((START_MS + seq * PERIOD_MS + 165.0 + 20.0) * NS_PER_MS)
+        learning = msgspec.structs.replace(sample(seq, tracking_ms=165.0), status=TrackingStatus.INITIALISING)
+        meter.arrive(learning, offset, now_ns)
+    figures = measured(meter, now_ns)
+    assert (figures.age_ms, figures.tracking_ms, figures.network_ms) == (60.0, 0.0, 20.0)
+    assert judged(figures, 100.0).code == ""
+    late = HandLinkMeter()
+    for seq in range(10):
+        now_ns = arrive(late, seq, network_ms=20.0, tracking_ms=165.0)
+    assert judged(measured(late, now_ns), 100.0).code == "samples_old"
 
 
 def test_half_a_round_trip_is_what_most_samples_show() -> None:

@@ -1,22 +1,31 @@
-"""Who listens on a port and who holds a device, from /proc; processes of other users may remain unknown."""
+"""Who has a port or a device of this host, from /proc; processes of other users may remain unknown."""
 
+import errno
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
 PROC = Path("/proc")
-LISTENING = "0A"
+LISTENING = {"tcp": "0A", "tcp6": "0A", "udp": "07", "udp6": "07"}  # the state of a socket that waits, by its table
 
 
 def listener_on(port: int) -> str:
-    """Name and number of the process that listens on a TCP port of this host; empty if none is visible."""
+    """Name and number of the process that listens on a port of this host; empty if none is visible."""
     sockets = set()
-    for table in (PROC / "net/tcp", PROC / "net/tcp6"):
+    for name, waiting in LISTENING.items():
+        table = PROC / "net" / name
         lines = table.read_text().splitlines()[1:] if table.exists() else []
         for fields in map(str.split, lines):
-            if fields[3] == LISTENING and int(fields[1].rpartition(":")[2], 16) == port:
+            if fields[3] == waiting and int(fields[1].rpartition(":")[2], 16) == port:
                 sockets.add(f"socket:[{fields[9]}]")
     return _holder_of(sockets)
+
+
+def why_not_bound(error: OSError, port: int, another: str = "another") -> str:
+    """Why a port cannot be listened on, with the program that has it; `another` is how to choose another port."""
+    if error.errno != errno.EADDRINUSE:
+        return f"{error.strerror or error}; choose {another}"
+    return f"{listener_on(port) or 'a program that this user may not see'} has this port; end it, or choose {another}"
 
 
 def holder_of_device(path: Path) -> str:

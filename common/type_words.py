@@ -1,0 +1,53 @@
+"""What a checker of types says of a configuration's value, in plain words with a cure; pure."""
+
+import re
+import tomllib
+from collections.abc import Sequence
+from typing import Any
+
+SAID = re.compile(
+    r"Expected `(?P<wanted>[^`]+)`"
+    r"(?: of length (?P<most>>=|<=|) ?(?P<length>\d+))?(?P<bound> [<>]=? \S+)?"
+    r"(?:, got (?:`(?P<got>[^`]+)`|(?P<count>\d+)))?(?: - at `\$(?P<place>.*)`)?"
+)
+PLACE = re.compile(r"\[(\d+)\]")
+LENGTHS = {">=": "at least ", "<=": "at most ", "": ""}
+KINDS = {
+    "float": "a number",
+    "int": "a whole number",
+    "bool": "true or false",
+    "str": "words in quotes",
+    "array": "a list in brackets",
+    "object": "a table",
+}
+
+
+def in_plain_words(said: str, value: Any, meaning: str = "") -> str:
+    """What to give in place of a value that is refused; `meaning` is what its key says of it, with the unit."""
+    found = SAID.fullmatch(said)
+    if found is None:
+        return said
+    wanted = found["wanted"].split(" | ")
+    places = [str(int(number) + 1) for number in PLACE.findall(found["place"] or "")]
+    if not places and isinstance(value, str) and found["got"] and _fits_without_quotes(value, wanted):
+        return f"write it without quotes: {value}"
+    what = " or ".join(KINDS.get(kind, kind) for kind in wanted if kind != "null") + (found["bound"] or "")
+    if found["length"]:
+        length = f"{LENGTHS[found['most']]}{found['length']}"
+        what = f"words of {length} characters" if wanted[0] == "str" else f"a list of {length}"
+    about = f" ({meaning})" if meaning else ""
+    where = f" as number {' of number '.join(reversed(places))} of the list" if places else ""
+    instead = f", not of {found['count']}" if found["count"] else ""
+    if found["got"]:
+        instead = f", not {KINDS.get(found['got'], found['got'])}"
+    return f"give {what}{where}{instead}{about}"
+
+
+def _fits_without_quotes(text: str, wanted: Sequence[str]) -> bool:
+    """Whether a text in quotes would be of the type that is wanted without them."""
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except (ValueError, RecursionError):
+        return False
+    kind = type(value).__name__
+    return kind in wanted or (kind == "int" and "float" in wanted)

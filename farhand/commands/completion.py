@@ -1,0 +1,79 @@
+"""The names that the shell completes: of drivers, motions, configurations, keys; loaded only when it asks."""
+
+from collections.abc import Iterable, Iterator
+from typing import Any, get_args
+
+import typer
+
+
+def driver_names(incomplete: str) -> list[str]:
+    """The drivers that are installed."""
+    from importlib.metadata import entry_points
+
+    from remote_site.drivers.registry import GROUP
+
+    return _beginning(incomplete, entry_points(group=GROUP).names)
+
+
+def motion_names(incomplete: str) -> list[str]:
+    """What the simulated operator can do."""
+    from local_site.simulation.config import MotionName
+
+    return _beginning(incomplete, get_args(MotionName))
+
+
+def arm_names(incomplete: str) -> list[str]:
+    """The arms of the loopback."""
+    from farhand.loopback.scenario import ARM_FILES
+
+    return _beginning(incomplete, ARM_FILES)
+
+
+def experiment_names(incomplete: str) -> list[str]:
+    """The experiments, and all of them."""
+    from farhand.experiments.run import ALL, NAMES
+
+    return _beginning(incomplete, [*NAMES, ALL])
+
+
+def configuration_names(incomplete: str) -> list[str]:
+    """The configurations that are shipped."""
+    from farhand.deployment.shipped import NAMES
+
+    return _beginning(incomplete, NAMES)
+
+
+def setting_keys(context: typer.Context, incomplete: str) -> list[str]:
+    """The keys of the sites whose settings a command takes, as table.key=; those of both where it may be either."""
+    import msgspec
+
+    from farhand.deployment.kinds import KINDS
+    from farhand.deployment.mix_ups import COMMANDS
+
+    words = context.command_path.split()[1:]
+    taken = TAKEN_BY.get(" ".join(words), words[0] if words else "")
+    kinds = [kind for kind in KINDS if COMMANDS[kind] == taken] or [kind for kind in KINDS if COMMANDS[kind] in SITES]
+
+    def keys(struct: type[Any], above: str) -> Iterator[str]:
+        for field in msgspec.structs.fields(struct):
+            key = f"{above}{field.encode_name}"
+            if isinstance(field.type, type) and issubclass(field.type, msgspec.Struct):
+                yield from keys(field.type, f"{key}.")
+            else:
+                yield f"{key}="
+
+    return _beginning(incomplete, (key for kind in kinds for key in keys(kind, "")))
+
+
+SITES = "remote", "local"
+TAKEN_BY = {  # whose settings a command takes that is not named after them; others may take those of both sites
+    "limits": "remote",
+    "driver test": "remote",
+    "track": "local",
+    "teach run": "local",
+    "replay": "local",
+}
+
+
+def _beginning(incomplete: str, names: Iterable[str]) -> list[str]:
+    return sorted({name for name in names if name.startswith(incomplete)})
