@@ -25,7 +25,7 @@ from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.config import RemoteConfig
 from remote_site.drivers.conformance.verdicts import Verdict
-from tests.farhand.teach.test_task_file import TASK
+from tests.farhand.teach.example_task import TASK
 
 REPLIED = "the arm follows \x1b[31mthe hand"  # of another site, with what a terminal would obey
 ENGAGE, LEASE = "farhand.authority.engage.", "farhand.authority.lease."

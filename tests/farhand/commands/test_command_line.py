@@ -21,7 +21,7 @@ from local_site.calibration.rig_file import save_rig
 from local_site.simulation.cameras import control_point_rows, exact_rig
 from local_site.simulation.config import SimulationConfig
 from remote_site.runtime.crash_marker import CrashMarker
-from tests.farhand.teach.test_task_file import TASK
+from tests.farhand.teach.example_task import TASK
 
 SITES = HERE / "sites"
 

@@ -10,7 +10,7 @@ from farhand.teach.planning import way_points_in_base
 from farhand.teach.run import check_cell
 from farhand.teach.task_file import TaughtFrame
 from tests.farhand.replay.recorded_states import recorded_states
-from tests.farhand.teach.test_task_file import TASK
+from tests.farhand.teach.example_task import TASK
 
 INSIDE = replace(TASK, frame=TaughtFrame(xyz_mm=(400.0, 0.0, 500.0)))
 
