@@ -34,7 +34,8 @@ def in_plain_words(said: str, value: Any, meaning: str = "") -> str:
     what = " or ".join(KINDS.get(kind, kind) for kind in wanted if kind != "null") + (found["bound"] or "")
     if found["length"]:
         length = f"{LENGTHS[found['most']]}{found['length']}"
-        what = f"words of {length} characters" if wanted[0] == "str" else f"a list of {length}"
+        letters = "character" if found["length"] == "1" else "characters"
+        what = f"words of {length} {letters}" if wanted[0] == "str" else f"a list of {length}"
     about = f" ({meaning})" if meaning else ""
     where = f" as number {' of number '.join(reversed(places))} of the list" if places else ""
     instead = f", not of {found['count']}" if found["count"] else ""

@@ -16,6 +16,7 @@ class Shelf(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     count: int = 1
     open: bool = True
     name: Annotated[str, Meta(max_length=4)] = ""
+    title: Annotated[str, Meta(min_length=1)] = "a"
     size: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rows: Annotated[tuple[tuple[float, float], ...], Meta(min_length=1)] = ((0.0, 0.0),)
     by_name: dict[str, float] = {}  # msgspec copies it
@@ -33,6 +34,7 @@ class Shelf(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         ("open=yes", "'yes' is not allowed: give true or false, not words in quotes"),
         ("open='true'", "'true' is not allowed: write it without quotes: true"),
         ("name=7", "7 is not allowed: give words in quotes, not a whole number"),
+        ("title=''", "'' is not allowed: give words of at least 1 character"),
         ("name=shelf", "'shelf' is not allowed: give words of at most 4 characters"),
         ("size=[1, 2]", "[1, 2] is not allowed: give a list of 3, not of 2"),
         ("size=[1, 'a', 2]", "give a number as number 2 of the list, not words in quotes"),

@@ -104,8 +104,8 @@ def test_a_camera_is_opened_with_the_settings_of_its_name(opened):
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        ((*REAL, "operator.also=[2, 3, 4]"), "length <= 2"),
-        ((*REAL, 'operator.also=[""]'), "length >= 1"),
+        ((*REAL, "operator.also=[2, 3, 4]"), "give a list of at most 2"),
+        ((*REAL, 'operator.also=[""]'), "words of at least 1 character"),
         ((*REAL, "operator.cameras.width_px=640"), "give both or neither"),
         ((*REAL, "operator.camera.left.gian=3"), "gian"),
         (("operator.also=[2]",), "simulated operator brings its own"),
