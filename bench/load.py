@@ -81,6 +81,7 @@ def shares(used: Stages, passed_s: float, drawn_s: float) -> dict[str, float]:
     figures = {
         f"{process}, {stage}{' (demonstration)' if _is_demonstration(process, stage) else ''}, core %": taken
         for (process, stage), taken in sorted(stages.items(), key=lambda item: -item[1])
+        if taken > 0.0
     }
     figures |= {"all, core %": total, "the demonstration's own, core %": of_demonstration}
     figures = {name: 100.0 * taken / passed_s for name, taken in figures.items()}
@@ -104,7 +105,7 @@ def _is_demonstration(process: str, stage: str) -> bool:
 
 def _name(pid: int, root: str, *, is_root: bool) -> str:
     """The name of a process: its own, a browser's with its kind, or that of whoever started it."""
-    words = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace").split("\0")
+    words = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace").replace("\0", " ").split()
     kinds = [word.removeprefix("--type=") for word in words if word.startswith("--type=")]
     if kinds:
         return f"{root} {kinds[0]}"

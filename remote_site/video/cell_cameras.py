@@ -97,7 +97,7 @@ class CellRenderer:
         self._option, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        self._size, self._whole = (width, height), Window(0.0, 0.0, width, height)
+        self._whole = Window(0.0, 0.0, width, height)
         self._moving = np.flatnonzero(cell.model.body_weldid[cell.model.geom_bodyid] != WORLD)
         self._boxes = _box_corners(cell.model.geom_aabb[self._moving])
         self._surfaces = Backdrop(cell.surfaces)
@@ -155,7 +155,7 @@ class CellRenderer:
 
     def _where_things_move(self, view: int) -> Window | None:
         """The smallest window around the boxes of all that moves; None where none of it is in the view."""
-        width, height = self._size
+        _, _, width, height = self._whole
         turned = self._data.geom_xmat[self._moving].reshape(-1, 3, 3)
         corners = self._data.geom_xpos[self._moving][:, None] + self._boxes @ turned.transpose(0, 2, 1)
         eye = self._eye(view)
@@ -171,7 +171,8 @@ class CellRenderer:
 
     def _still(self, view: int) -> Image:
         """Room, furniture and table, several pixels to each of the view's, averaged and sharpened as cameras do."""
-        width, height = (FINER * size for size in self._size)
+        size = (self._whole.width, self._whole.height)
+        width, height = (FINER * pixels for pixels in size)
         fine: Image = np.empty((height, width, 4), dtype=np.uint8)
         for row, column in itertools.product(range(FINER), repeat=2):
             aside = ((column + 0.5) / FINER - 0.5, (row + 0.5) / FINER - 0.5)
@@ -181,13 +182,13 @@ class CellRenderer:
         eye = self._eye(view, FINER)
         self._surfaces.draw(eye, fine, _where(fine, NOTHING), of_table=False)
         self._surfaces.draw(eye, fine, np.full((height, width), 255, dtype=np.uint8), of_table=True)
-        averaged = cv2.resize(_bgr(fine), self._size, interpolation=cv2.INTER_AREA)
+        averaged = cv2.resize(_bgr(fine), size, interpolation=cv2.INTER_AREA)
         return _image(
             cv2.addWeighted(averaged, 1.0 + SHARPENED, cv2.GaussianBlur(averaged, (0, 0), 1.0), -SHARPENED, 0.0)
         )
 
     def _eye(self, view: int, finer: int = 1) -> Eye:
-        width, height = (finer * size for size in self._size)
+        width, height = (finer * pixels for pixels in self._whole[2:])
         focal_px = height / 2 / math.tan(math.radians(self._model.cam_fovy[view]) / 2)
         turned = self._data.cam_xmat[view].reshape(3, 3) @ OPENGL_R_IMAGE
         return Eye(self._data.cam_xpos[view].copy(), turned, focal_px, width, height)
@@ -206,7 +207,7 @@ class CellRenderer:
             kinds,
             self._scene,
         )
-        width, height = self._size
+        _, _, width, height = self._whole
         for camera in self._scene.camera:
             pixel = (camera.frustum_top - camera.frustum_bottom) / height
             camera.frustum_center += (window.left + (window.width - width) / 2) * pixel

@@ -1,8 +1,9 @@
 // What the assist offers, over a calibrated camera's picture: the marker's border, and the gripper where it would be.
 import { fromPose, inverse } from "./kinematics.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
-import { sized } from "./surface.js";
+import { LastDrawn, sized } from "./surface.js";
 
+const STEP_PX = 0.25;
 const DARK = "#000000b0";
 const TONES = { off: "#b8c0c8", offered: "#8be08b", leading: "#ffd479", ended: "#b8c0c8" };
 const FINGERS = [[0.036, 0], [0.036, -0.035], [-0.036, -0.035], [-0.036, 0]]; // y and z from the tool centre point, m
@@ -12,7 +13,7 @@ export class AssistMarks {
   #canvas;
   #context;
   #camera;
-  #isDrawn = false;
+  #last = new LastDrawn(STEP_PX);
 
   /** Draws on a canvas over a picture; `camera` is its description by the cell. */
   constructor(canvas, camera) {
@@ -23,12 +24,16 @@ export class AssistMarks {
 
   /** `toolThen` is the measured tool when the picture was taken: a camera on the tool saw the cell from there. */
   draw({ phase, target }, toolThen) {
-    this.clear();
-    if (this.#camera.calibration.on_tool && toolThen === null) return;
+    if (this.#camera.calibration.on_tool && toolThen === null) {
+      this.clear();
+      return;
+    }
     const { width, height } = sized(this.#canvas, this.#context);
     const seen_T_base = this.#camera.calibration.on_tool ? inverse(fromPose(toolThen)) : null;
     const lines = outline(target).map((line) => line.map((point) => projected(this.#camera.calibration.projection, moved(seen_T_base, point))));
     const shown = lines.map(clipped).filter((line) => line !== null);
+    if (!this.#last.differs(phase, shown, width, height, devicePixelRatio)) return;
+    this.#erase();
     for (const [tone, thick] of [[DARK, 5], [TONES[phase], 2]]) {
       this.#context.strokeStyle = tone;
       this.#context.lineWidth = thick;
@@ -41,12 +46,14 @@ export class AssistMarks {
       }
       this.#context.stroke();
     }
-    this.#isDrawn = true;
   }
 
   clear() {
-    if (this.#isDrawn) this.#context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
-    this.#isDrawn = false;
+    if (this.#last.differs(null)) this.#erase();
+  }
+
+  #erase() {
+    this.#context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
   }
 }
 

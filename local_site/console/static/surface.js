@@ -50,10 +50,6 @@ export class LastDrawn {
     this.#key = key;
     return true;
   }
-
-  forget() {
-    this.#key = null;
-  }
 }
 
 const known = new Map();
