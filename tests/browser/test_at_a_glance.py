@@ -267,7 +267,7 @@ def test_no_word_is_smaller_than_twelve_pixels_and_nothing_lies_beyond_the_side(
 
 def test_dark_or_light_and_the_tones_are_remembered(told: Told) -> None:
     page = told.page.page
-    assert page.get_attribute("html", "data-theme") == "dark"
+    told.page.wear("dark")
     page.click("#theme")
     page.keyboard.press("m")
     kept = page.evaluate("() => [localStorage.getItem('farhand-theme'), localStorage.getItem('farhand-tones')]")
