@@ -66,7 +66,8 @@ def test_it_brings_its_configurations_and_units(installed: Path, tmp_path: Path)
     assert shown == (shipped / "sites/remote.toml").read_text()
     run(installed / "farhand", "config", "init", ".", folder=tmp_path)
     written = {path.name for path in tmp_path.rglob("*") if path.is_file()}
-    assert written == {path.name for room in ("sites", "systemd") for path in (shipped / room).iterdir()}
+    shipped_names = {path.name for room in ("sites", "systemd") for path in (shipped / room).iterdir()}
+    assert written == shipped_names | {f"{name}.json" for name in ("local", "remote", "console", "router")}
 
 
 def test_it_brings_the_template_of_drivers(installed: Path, tmp_path: Path) -> None:

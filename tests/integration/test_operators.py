@@ -11,7 +11,7 @@ from common.link.channels import HAND
 from common.messages.requests import OperatorAction
 from common.messages.robot import SessionState
 from farhand.authority.engage import request_engage
-from farhand.authority.lease import act_on_lease, show_lease
+from farhand.authority.lease import act_on_lease, describe_lease, seen_state
 from farhand.loopback.site_process import free_ports
 from tests.integration.pair import Pair
 from tests.integration.sites import CELL, Sites, killed
@@ -45,7 +45,7 @@ def test_a_second_operator_takes_over_only_when_the_firsts_lease_has_expired(pai
     assert still is not None
     assert still.holder == "anna"
     sites.wait("the lease to expire", lambda: holder(sites) is None)
-    assert "nobody holds the lease" in show_lease(CELL, sites.control)
+    assert "nobody holds the lease" in describe_lease(seen_state(CELL, sites.control))
 
     assert act_on_lease(CELL, bens_listen, "ben", OperatorAction.TAKE) == "the lease of this cell is yours"
     sites.wait("ben's lease", lambda: holder(sites) == "ben")

@@ -1,5 +1,6 @@
 """A maker's URDF becomes a configuration that the remote site starts with, from any folder."""
 
+import json
 import shutil
 from pathlib import Path
 
@@ -77,11 +78,11 @@ def test_the_files_are_moved_together_and_need_nothing_of_the_makers(imported, t
 
 
 def test_limits_tells_what_the_import_assumed_from_what_the_maker_states(imported):
-    told = CliRunner().invoke(app, ["limits", "--config", str(imported[0]), "--factor", "0.1"]).output
-    rows = {line.split("|")[1].strip(): line for line in told.splitlines() if line.startswith("|")}
-    assert "assumed by farhand arm import times robot.limits_factor = 0.1" in rows["jerk, rad/s³"]
-    assert "robot.acceleration_rad_s2, assumed by farhand arm import" in rows["acceleration, rad/s²"]
-    assert "assumed" not in rows["speed, rad/s"]
+    told = CliRunner().invoke(app, ["limits", "--config", str(imported[0]), "--factor", "0.1", "--json"]).output
+    limits = json.loads(told)["limits"]
+    assert "assumed by farhand arm import times robot.limits_factor = 0.1" in limits["jerk_rad_s3"]["from"]
+    assert "robot.acceleration_rad_s2, assumed by farhand arm import" in limits["acceleration_rad_s2"]["from"]
+    assert "assumed" not in limits["speed_rad_s"]["from"]
     assert "A465" not in told
 
 

@@ -114,8 +114,8 @@ def test_a_hold_soon_after_another_lasts_a_second_at_least() -> None:
 @pytest.mark.parametrize(("apart_ns", "code"), [(APART_NS - 1, Code.UNSTEADY), (APART_NS, None)])
 def test_a_hold_earns_its_end_where_it_begins_within_five_seconds_of_another(apart_ns: int, code: Code | None) -> None:
     hold = Hold(SafetyConfig())
-    hold.begin(0)
-    hold.begin(apart_ns)
+    hold.begin(0, reason(Code.MOVING))
+    hold.begin(apart_ns, reason(Code.MOVING))
     why = hold.unearned(apart_ns + 250 * NS_PER_MS)
     assert (why.code if why is not None else None) is code
     assert why is None or "250 of 1000 ms" in why.sentence

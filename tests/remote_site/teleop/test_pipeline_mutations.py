@@ -59,9 +59,9 @@ CONDITIONS = [
         validator(of_validator.test_age_counts_from_capture_with_the_offset_and_its_uncertainty),
     ),
     (
-        SampleValidator,
+        validator_module,
         "_repeated",
-        "sample.seq == self._seq",
+        "sample.seq == newest.seq",
         validator(of_validator.test_duplicates_and_older_samples_are_refused),
     ),
     (
@@ -95,14 +95,14 @@ TEXTS = [
     (
         SampleValidator,
         "_time",
-        "sample.capture_ns <= self._capture_ns",
+        "sample.capture_ns <= newest.capture_ns",
         "False",
         validator(of_validator.test_duplicates_and_older_samples_are_refused),
     ),
     (
         SampleValidator,
         "_remember",
-        "and sample.session != self._session",
+        "and sample.session != self._newest.session",
         "and False",
         validator(of_validator.test_a_new_session_is_noticed),
     ),
