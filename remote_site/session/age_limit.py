@@ -1,7 +1,7 @@
 """T_soft, the age up to which hand samples are obeyed, fixed or chosen from the link, and the speed it leaves; pure."""
 
 from common.clock import NS_PER_MS
-from common.messages.hand import HandArm
+from common.messages.hand import HandArm, TrackingStatus
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import FULL_SPEED_MS, SafetyConfig
 from remote_site.session.link_ages import ArrivedSample, LinkAges
@@ -32,7 +32,12 @@ class AgeLimit:
         self._session: int | None = None
 
     def see(self, sample: HandArm, born_ns: int, now_ns: int) -> None:
-        """Note a sample that arrived in order, young enough or not; at the earliest it was captured at `born_ns`."""
+        """Note a sample that arrived in order, young enough or not; at the earliest it was captured at `born_ns`.
+
+        One of a tracker that still learns the arm, which takes longer, is never followed and says nothing of later ones.
+        """
+        if sample.status is TrackingStatus.INITIALISING:
+            return
         if sample.session != self._session:
             self._session, self._ages = sample.session, LinkAges(self._outage_ns)
         self._ages.note(ArrivedSample(sample.seq, sample.capture_ns, born_ns, now_ns))

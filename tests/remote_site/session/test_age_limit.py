@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import pytest
 
 from common.clock import NS_PER_MS
+from common.messages.hand import TrackingStatus
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
 from remote_site.session.age_limit import AgeLimit
@@ -22,14 +23,16 @@ class Link:
         self.limit = AgeLimit(SafetyConfig(**safety))  # type: ignore[arg-type]
         self.seq, self.now_ms = 0, 1_000_000.0
 
-    def bring(self, ages_ms: Iterable[float | None], pace: float = AT_REST, session: int = 7) -> "Link":
+    def bring(
+        self, ages_ms: Iterable[float | None], pace: float = AT_REST, session: int = 7, **changes: object
+    ) -> "Link":
         """One sample per period; its age at arrival in ms, None where it is lost."""
         for age_ms in ages_ms:
             self.seq += 1
             self.now_ms += PERIOD_MS
             if age_ms is not None:
                 capture_ns, arrival_ns = self.ns(self.now_ms), self.ns(self.now_ms + age_ms)
-                self.limit.see(hand(self.seq, capture_ns, session=session), capture_ns, arrival_ns)
+                self.limit.see(hand(self.seq, capture_ns, session=session, **changes), capture_ns, arrival_ns)
             self.limit.settle(pace)
         return self
 
@@ -53,6 +56,12 @@ def test_it_covers_the_age_that_samples_reach_before_the_next_one_comes(age_ms: 
     link = Link().bring([age_ms] * 60)
     assert link.ms == limit_ms
     assert link.limit.speed_scale == 100 / limit_ms
+
+
+def test_how_long_a_tracker_takes_while_it_learns_the_arm_slows_no_arm_afterwards() -> None:
+    link = Link().bring([165.0] * 12, status=TrackingStatus.INITIALISING).bring([20.0])
+    assert (link.ms, link.limit.speed_scale, link.limit.too_slow()) == (100, 1.0, None)
+    assert Link().bring([165.0] * 12).bring([20.0]).ms > 100
 
 
 def test_it_never_exceeds_400_ms() -> None:
