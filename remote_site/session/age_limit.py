@@ -34,7 +34,7 @@ class AgeLimit:
     def see(self, sample: HandArm, born_ns: int, now_ns: int) -> None:
         """Note a sample that arrived in order, young enough or not; at the earliest it was captured at `born_ns`.
 
-        One of a tracker that still learns the arm, which takes longer, is never followed and says nothing of later ones.
+        While a tracker still learns the arm it takes longer, and is never followed: that tells nothing of later samples.
         """
         if sample.status is TrackingStatus.INITIALISING:
             return
