@@ -34,7 +34,7 @@ class AgeLimit:
     def see(self, sample: HandArm, born_ns: int, now_ns: int) -> None:
         """Note a sample that arrived in order, young enough or not; at the earliest it was captured at `born_ns`.
 
-        While a tracker still learns the arm it takes longer, and is never followed: that tells nothing of later samples.
+        While a tracker still learns the arm it takes longer, but nothing is followed: that tells nothing of later ones.
         """
         if sample.status is TrackingStatus.INITIALISING:
             return
