@@ -36,7 +36,7 @@ EFFECTS = (
 )
 
 
-class Window(NamedTuple):
+class DrawnArea(NamedTuple):
     """A part of a view: its upper left corner, which may lie between pixels, and its size, px."""
 
     left: float
@@ -97,7 +97,7 @@ class CellRenderer:
         self._option, self._perturbation = mujoco.MjvOption(), mujoco.MjvPerturb()
         self._camera = mujoco.MjvCamera()
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
-        self._whole = Window(0.0, 0.0, width, height)
+        self._whole = DrawnArea(0.0, 0.0, width, height)
         self._moving = np.flatnonzero(cell.model.body_weldid[cell.model.geom_bodyid] != WORLD)
         self._boxes = _box_corners(cell.model.geom_aabb[self._moving])
         self._surfaces = Backdrop(cell.surfaces)
@@ -146,14 +146,14 @@ class CellRenderer:
             self._surfaces.draw(eye, picture, _image(alpha == unpainted), of_table=of_table)
         return _bgr(picture)
 
-    def _draw_over(self, picture: Image, view: int, window: Window, kinds: mujoco.mjtCatBit) -> None:
+    def _draw_over(self, picture: Image, view: int, window: DrawnArea, kinds: mujoco.mjtCatBit) -> None:
         """Draw these kinds of things into a window, whole pixels, of a fixed view's picture."""
         drawn = self._draw(view, window, room=False, things=True, kinds=kinds)
         left, top = int(window.left), int(window.top)
         part = picture[top : top + window.height, left : left + window.width]
         cv2.copyTo(_bgr(drawn), _where(drawn, OPAQUE), part)
 
-    def _where_things_move(self, view: int) -> Window | None:
+    def _where_things_move(self, view: int) -> DrawnArea | None:
         """The smallest window around the boxes of all that moves; None where none of it is in the view."""
         _, _, width, height = self._whole
         turned = self._data.geom_xmat[self._moving].reshape(-1, 3, 3)
@@ -167,7 +167,7 @@ class CellRenderer:
         high = np.minimum(np.ceil(points.max(axis=0, initial=-math.inf)) + 1, (width, height))
         if (high <= low).any():
             return None
-        return Window(low[0], low[1], int(high[0] - low[0]), int(high[1] - low[1]))
+        return DrawnArea(low[0], low[1], int(high[0] - low[0]), int(high[1] - low[1]))
 
     def _still(self, view: int) -> Image:
         """Room, furniture and table, several pixels to each of the view's, averaged and sharpened as cameras do."""
@@ -193,7 +193,7 @@ class CellRenderer:
         turned = self._data.cam_xmat[view].reshape(3, 3) @ OPENGL_R_IMAGE
         return Eye(self._data.cam_xpos[view].copy(), turned, focal_px, width, height)
 
-    def _draw(self, view: int, window: Window, *, room: bool, things: bool, kinds: mujoco.mjtCatBit = ALL) -> Image:
+    def _draw(self, view: int, window: DrawnArea, *, room: bool, things: bool, kinds: mujoco.mjtCatBit = ALL) -> Image:
         """A window of a view as RGBA, alpha 0 where nothing is."""
         self._camera.fixedcamid = view
         self._option.geomgroup[:] = things

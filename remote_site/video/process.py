@@ -35,7 +35,7 @@ from remote_site.video.streaming.setting import StreamSetting
 from remote_site.video.streaming.stream import CameraStream
 
 LIVE_POLL_NS = 5 * NS_PER_MS
-NARROW_EVERY_NS = 500 * NS_PER_MS
+TROUBLE_EVERY_NS = 500 * NS_PER_MS
 WATCHED_NS = NS_PER_S
 LISTENERS_EVERY_NS = 50 * NS_PER_MS
 IDLE_S = 0.05
@@ -106,16 +106,16 @@ class VideoWire:
     """Where pictures go, what operators' consoles report of them, and the lease in force (None without one).
 
     Each source of `shown` returns a report once, with the operator whose key it came on; `key_frames` returns each
-    viewer's request once. `show_narrow` is told twice a second whether the link is too narrow for the pictures, and how
-    much. `has_listener` is whether anybody receives pictures, and `unsent_bytes` how much of what was published waits
-    in this host on its way to who operates.
+    viewer's request once. `show_trouble` is told twice a second what keeps pictures from coming all and in time, None
+    for nothing. `has_listener` is whether anybody receives pictures, and `unsent_bytes` how much of what was published
+    waits in this host on its way to who operates.
     """
 
     publish: Callable[[VideoFrame], None]
     shown: Sequence[Shown] = ()
     lease: Callable[[], LeaseInForce | None] = lambda: None
     key_frames: Callable[[], KeyFrameRequest | None] = lambda: None
-    show_narrow: Callable[[VideoLink | None], None] = lambda _link: None
+    show_trouble: Callable[[VideoLink | None], None] = lambda _link: None
     has_listener: Callable[[], bool] = lambda: True
     unsent_bytes: Callable[[], int] = lambda: 0
 
@@ -173,9 +173,9 @@ class _Console:
             self.adaptation.wait(self.wait.longest_ms(now_ns))
         for source in self.wire.shown:
             self._take(source, now_ns)
-        if now_ns - self.reported_ns >= NARROW_EVERY_NS:
+        if now_ns - self.reported_ns >= TROUBLE_EVERY_NS:
             self.reported_ns = now_ns
-            self.wire.show_narrow(self.adaptation.narrow(now_ns))
+            self.wire.show_trouble(self.adaptation.trouble(now_ns))
 
     def _take(self, source: Shown, now_ns: int) -> None:
         try:

@@ -13,10 +13,10 @@ from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.busy_hosts import BusyHosts
 from remote_site.video.streaming.codec_choice import CodecChoice
 from remote_site.video.streaming.link_rate import USED, Least, LinkRate
-from remote_site.video.streaming.narrow_link import busy_host, narrow_link, slow_page
 from remote_site.video.streaming.page_rate import LEAST_FPS, PageRate
 from remote_site.video.streaming.sent_pictures import SentPictures, together
 from remote_site.video.streaming.setting import StreamSetting, fit, fit_h264, most_h264_bytes
+from remote_site.video.streaming.video_trouble import busy_host, narrow_link, slow_page
 
 SENDING_NS = NS_PER_S
 FLOOR_BYTES_PER_S = 500.0
@@ -97,7 +97,7 @@ class Adaptation:
         """Follow no console, until one reports again."""
         self._forget(None)
 
-    def narrow(self, now_ns: int) -> VideoLink | None:
+    def trouble(self, now_ns: int) -> VideoLink | None:
         """What to report of link, page or processor where it keeps pictures from coming all and in time; else None."""
         carries, wanted = self._link.carries, self._wanted(now_ns)
         needs = sum(wanted.values())

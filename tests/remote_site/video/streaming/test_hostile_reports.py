@@ -110,7 +110,7 @@ def test_any_report_that_the_wire_accepts_leaves_settings_that_can_be_used(seed,
             sent = picture(setting.quality)._replace(codec=setting.codec)
             adaptation.sent(live_frame(camera, seq, max(0, now_ns - 20 * NS_PER_MS), sent), now_ns)
         adaptation.update(hostile_report(chance, now_ns), now_ns)
-        narrow = adaptation.narrow(now_ns)
+        narrow = adaptation.trouble(now_ns)
         assert narrow is None or np.isfinite((narrow.carries_mbit_s, narrow.needs_mbit_s)).all()
 
 

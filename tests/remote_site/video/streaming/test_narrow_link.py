@@ -3,8 +3,8 @@
 import pytest
 
 from bench.video.link import StreamRun
-from remote_site.video.streaming.narrow_link import narrow_link
 from remote_site.video.streaming.setting import StreamSetting
+from remote_site.video.streaming.video_trouble import narrow_link
 from tests.remote_site.video.streaming.test_adaptation import CONFIG, pictures
 
 FULL = StreamSetting(80, 1.0, 30.0)
@@ -15,17 +15,17 @@ MBIT = 1e6 / 8
 def test_a_link_that_becomes_too_narrow_is_reported_within_five_seconds(mbit):
     run = StreamRun(CONFIG, pictures(), 100.0)
     run.run(10.0)
-    assert run.adaptation.narrow(run.now_ns) is None
+    assert run.adaptation.trouble(run.now_ns) is None
     run.link.mbit_s = mbit
     run.run(5.0)
-    assert run.adaptation.narrow(run.now_ns) is not None
+    assert run.adaptation.trouble(run.now_ns) is not None
     run.run(5.0)
-    narrow = run.adaptation.narrow(run.now_ns)
+    narrow = run.adaptation.trouble(run.now_ns)
     assert narrow.carries_mbit_s == pytest.approx(mbit, rel=0.2)
     assert narrow.needs_mbit_s == pytest.approx(29.0, rel=0.4)  # extrapolated from the small pictures that are sent
     run.link.mbit_s = 1000.0
     run.run(8.0)
-    assert run.adaptation.narrow(run.now_ns) is None
+    assert run.adaptation.trouble(run.now_ns) is None
 
 
 def test_the_sentence_names_both_rates_and_what_is_sent_instead():

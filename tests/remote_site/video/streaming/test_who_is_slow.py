@@ -43,7 +43,7 @@ class BusyRun(StreamRun):
 
     @property
     def said(self):
-        return self.adaptation.narrow(self.now_ns)
+        return self.adaptation.trouble(self.now_ns)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
