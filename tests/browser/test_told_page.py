@@ -327,10 +327,10 @@ def test_a_view_of_the_operator_that_is_missing_keeps_no_old_picture(told: Told)
 
 
 def test_a_view_whose_pictures_are_late_now_and_then_does_not_flicker(told: Told) -> None:
-    """Every third picture is old, as over a link that pauses."""
+    """Every second picture is old, as over a link that pauses; one that stays for long grows old by itself."""
     told.until("live views", lambda: set(told.page.marks()) == {"live"})
     began_s = time.monotonic()
-    told.picture = lambda name, seq: scene.picture(name, seq, told.jpeg, age_ms=20.0 if seq % 3 else 400.0)
+    told.picture = lambda name, seq: scene.picture(name, seq, told.jpeg, age_ms=20.0 if seq % 2 else 400.0)
     told.until("the mark", lambda: told.mark("side") == "old")
     told.page.page.evaluate(COUNT_MARKS)
     told.until("a second", lambda: time.monotonic() - began_s > 3.0)

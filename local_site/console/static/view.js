@@ -138,7 +138,9 @@ export class View {
     const nowMs = this.#clock.now();
     const ageMs = nowMs === null || header.capture_ms === null ? null : nowMs - header.capture_ms;
     this.#newest = { seq: header.seq, captureMs: header.capture_ms, unsureMs: header.unsure_ms ?? 0, ageMs, suspendedMs: this.#clock.suspendedMs };
-    this.#times.push(performance.now());
+    const paintedMs = performance.now();
+    this.#times.push(paintedMs);
+    if (judge(this.#newest, header, nowMs, false).isLate) this.#lateMs = paintedMs; // one that a newer one replaces before the next refresh counts, too
   }
 
   /** The console's time, and what this host was suspended for since the newest picture; null where it is not known. */
