@@ -40,7 +40,6 @@ WAITING = (
     HERE / "common" / "process" / "test_life.py",
     HERE / "loopback" / "test_dying_site.py",
     HERE / "farhand" / "doctor",
-    HERE / "deploy",
 )
 
 

@@ -18,8 +18,6 @@ SOURCES = (*PACKAGES, "pyproject.toml", "README.md", "LICENSE")
 # The libraries of this environment, without running its .pth files: one of them would find the checkout.
 LIBRARIES = f"{sysconfig.get_paths()['purelib']}\nimport cmeel_pth\n"
 
-pytestmark = pytest.mark.long
-
 
 def run(*command: str | Path, folder: Path) -> str:
     """Run a command as a user does, in a folder and without this environment's variables; its output."""
@@ -77,6 +75,7 @@ def test_it_brings_the_template_of_drivers(installed: Path, tmp_path: Path) -> N
     assert len([path for path in tmp_path.rglob("*") if path.is_file()]) == len(sources)
 
 
+@pytest.mark.long
 def test_the_loop_closes_from_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     options = ["--seconds", "5", "--headless", "--driver", "kinematic", "--tracker", "markers", "--report", "out.json"]
     command = installed / "farhand", "loopback", *options, *PATIENT
