@@ -24,7 +24,7 @@ from remote_site.recording.kept_config import encode_config
 from remote_site.recording.message_budget import KEPT_BYTES_PER_S
 from remote_site.recording.records import FullPicture, LeftOut, PassedMessage, RecordedTick
 from remote_site.teleop.cycle import CycleInput
-from remote_site.video.calibration import calibration_of
+from remote_site.video.calibration import calibration_of, size_of
 
 CELL_TABLE = "farhand.cell"
 CONFIG_FILE, URDF_FILE = "remote.json", "robot.urdf"
@@ -67,7 +67,7 @@ class Transcript:
             view = calibration_of(camera, config.video, config.simulation, robot.tool_T_tcp)
             if view is None:
                 continue
-            name, size = topics.camera_frame_name(camera.name), (config.video.width, config.video.height)
+            name, size = topics.camera_frame_name(camera.name), size_of(camera, config.video)
             matrix, parent_T_camera = camera_frame(view)
             parent = topics.TOOL if view.on_tool else topics.BASE
             self._transform(session, now_ns, parent, name, parent_T_camera)

@@ -36,7 +36,7 @@ from remote_site.safety.described_shapes import describe_capsules, describe_fixt
 from remote_site.session.engagement_intent import INPUTS
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.teleop.config import MappingConfig
-from remote_site.video.calibration import calibration_of
+from remote_site.video.calibration import calibration_of, size_of
 
 
 class RequestServer:
@@ -153,7 +153,7 @@ def describe(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> Desc
             for row, link in zip(bounds, links, strict=True)
         ),
         cameras=tuple(
-            CameraDescription(c.name, video.width, video.height, video.fps, calibration_of(c, video, cell, tool_T_tcp))
+            CameraDescription(c.name, *size_of(c, video), video.fps, calibration_of(c, video, cell, tool_T_tcp))
             for c in video.cameras
         ),
         held=config.engagement.mode in INPUTS,

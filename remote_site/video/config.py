@@ -12,6 +12,7 @@ from remote_site.simulation.config import SIMULATED
 from remote_site.video.streaming.codec_choice import CodecPreference
 
 PROJECTION_NUMBERS = 12
+Pixels = Annotated[int, Meta(ge=16, le=7680)]
 
 
 class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -28,6 +29,10 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         tuple[float, ...] | None,
         Meta(description="of a calibrated camera: 3 x 4, row by row, from the base frame (m) to pixels"),
     ] = None
+    size_px: Annotated[
+        tuple[Pixels, Pixels] | None,
+        Meta(description="width and height of the pictures that projection is for; else video.width, video.height"),
+    ] = None
     on_tool: Annotated[bool, Meta(description="the camera rides on the tool: projection is from the tool's frame")] = (
         False
     )
@@ -37,6 +42,8 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             raise ValueError(f"name: it {wrong}")
         if "/" in self.name:
             raise ValueError(f"name: '{self.name}' has a slash, which divides the topics of a recording; leave it out")
+        if self.size_px is not None and self.projection is None:
+            raise ValueError("size_px: it is the size of the pictures that projection is for; give projection, too")
         if self.projection is not None and len(self.projection) != PROJECTION_NUMBERS:
             raise ValueError(f"projection: 12 numbers, three rows of four, not {len(self.projection)}")
 

@@ -22,6 +22,7 @@ from common.messages.video import CameraStatus, KeyFrameRequest, VideoFrame, Vie
 from common.process.log import RefusalLog
 from common.process.processor_wait import ProcessorWait, QueuedTime
 from common.process.service import be_nice
+from remote_site.video.calibration import FittingPictures
 from remote_site.video.config import VideoConfig
 from remote_site.video.full_pictures import FullPictures
 from remote_site.video.marker_look import MarkerLook
@@ -261,7 +262,7 @@ def run_video(
         return
     requests = _KeyFrameRequests(wire.key_frames, {slot.source.name: slot.stream for slot in slots})
     console = _Console(wire, Adaptation(config, h264=_encodes_h264(config.codec)))
-    sending, queued = _Sending(wire, console.adaptation), QueuedTime()
+    sending, queued, fitting = _Sending(wire, console.adaptation), QueuedTime(), FittingPictures(config)
     try:
         while not should_stop():
             slot = min(slots, key=lambda s: s.due_ns)
@@ -279,8 +280,9 @@ def run_video(
                 sending.publish(message, time.monotonic_ns())  # what drawing takes is none of the link's delay
             if full is not None and records:
                 full.see(name, slot.frame, message, setting)
+            frame = slot.frame if slot.frame is not None and fitting.fits(name, slot.frame) else None
             if markers is not None and console.is_watched(now_ns):
-                markers.see(name, slot.frame, now_ns)
+                markers.see(name, frame, now_ns)
             beat()
     finally:
         for slot in slots:

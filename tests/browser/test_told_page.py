@@ -22,6 +22,7 @@ from common.messages.robot import (
     SessionState,
 )
 from common.messages.video import CameraStatus, VideoFrame
+from local_site.console.hub import Hub
 from remote_site.video.streaming.clock_strip import draw_clock
 from remote_site.video.streaming.pictures import encode_jpeg
 from tests.browser.opened_page import OpenedPage
@@ -140,6 +141,16 @@ def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> 
     told.until("the ghost again", lambda: len(ghost(told, "side")) > 50)
     told.age_ms = 400.0
     told.until("no ghost over an old picture", lambda: len(ghost(told, "side")) == 0)
+
+
+def test_nothing_is_drawn_by_a_calibration_that_is_for_pictures_of_another_shape(told: Told) -> None:
+    told.until("the ghost", lambda: len(ghost(told, "side")) > 50)
+    cell = scene.cell()
+    wide = tuple(msgspec.structs.replace(camera, width=1280, height=720) for camera in cell.cameras)
+    told.give(Hub.described, msgspec.structs.replace(cell, cameras=wide))
+    told.until("no ghost", lambda: len(ghost(told, "side")) == 0)
+    told.describe()
+    told.until("the ghost again", lambda: len(ghost(told, "side")) > 50)
 
 
 def test_one_sample_is_told_from_its_exposure_to_its_painted_picture(told: Told) -> None:

@@ -18,6 +18,7 @@ export class View {
   why = "";
   onShape = () => {};
   aspect = 4 / 3;
+  #calibrated = null; // the shape of the pictures that the projection is for
   #clock;
   #h264;
   #isOfOperator;
@@ -76,18 +77,24 @@ export class View {
   describe(camera, key) {
     this.#labels.call(key, this.name);
     if (this.#newest === null) this.#shape(camera.width, camera.height);
+    this.#calibrated = camera.width / camera.height;
     this.#overlays.describe(camera);
+  }
+
+  /** Whether the projection can be for such pictures. */
+  get #fits() {
+    return this.#calibrated !== null && Math.abs(this.#calibrated - this.aspect) < SAME_SHAPE * this.aspect;
   }
 
   /** Draw the tool over a picture that is not useless, late as it may be; `path` is where the tool was measured. */
   markTools(tools, path) {
-    const isSeen = tools !== null && this.isUseful;
+    const isSeen = tools !== null && this.isUseful && this.#fits;
     this.#overlays.markTools(isSeen ? tools : null, isSeen ? path.at(this.#newest.captureMs) : null);
   }
 
   /** Draw what the assist offers over a picture that is young enough to be compared with it, or nothing. */
   offer(assist, path) {
-    const isSeen = assist !== null && this.#isFresh;
+    const isSeen = assist !== null && this.#isFresh && this.#fits;
     this.#overlays.offer(isSeen ? assist : null, isSeen ? path.at(this.#newest.captureMs) : null);
   }
 
@@ -98,7 +105,7 @@ export class View {
 
   /** Draw the commanded arm over a picture that is young enough to be compared with it, and say so, or nothing. */
   haunt(cell, robot) {
-    this.#labels.explain(this.#overlays.haunt(cell, this.#isFresh ? robot : null));
+    this.#labels.explain(this.#overlays.haunt(cell, this.#isFresh && this.#fits ? robot : null));
   }
 
   /** Take a message of this view; resolves when it is painted or skipped, to false where a key frame is needed. */
