@@ -9,7 +9,7 @@ import numpy as np
 from bench.processes import memory_mb
 
 S_PER_HOUR = 3600.0
-SHARE = 5  # the first and the last fifth are compared
+SHARE = 5  # the first, the middle and the last fifth are compared
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,21 +33,23 @@ def usage_of(pid: int, t_s: float) -> Usage | None:
 
 
 def growth(usages: Sequence[Usage]) -> dict[str, float]:
-    """Medians of the first and of the last fifth, and the memory's slope between them, MB an hour.
+    """Medians of the first, the middle and the last fifth, and the memory's slope between the latter two, MB an hour.
 
-    A median passes over what comes and goes; what only grows is in the difference. ValueError for fewer than five.
+    A median passes over what comes and goes, and buffers are full by the middle; what only grows is in the difference.
+    ValueError for fewer than five.
     """
     part = len(usages) // SHARE
     if part == 0:
         raise ValueError(f"growth needs at least {SHARE} usages, there are {len(usages)}")
-    first, last = _medians(usages[:part]), _medians(usages[-part:])
-    hours = (last["t_s"] - first["t_s"]) / S_PER_HOUR
+    middle_from = (len(usages) - part) // 2
+    first, middle, last = (_medians(usages[k : k + part]) for k in (0, middle_from, len(usages) - part))
+    hours = (last["t_s"] - middle["t_s"]) / S_PER_HOUR
     figures = {
         f"{name}_{when}": ends[name]
         for name in ("mb", "fds", "threads")
-        for when, ends in (("first", first), ("last", last))
+        for when, ends in (("first", first), ("middle", middle), ("last", last))
     }
-    return figures | {"mb_per_hour": (last["mb"] - first["mb"]) / hours}
+    return figures | {"mb_per_hour": (last["mb"] - middle["mb"]) / hours}
 
 
 def _medians(usages: Sequence[Usage]) -> dict[str, float]:

@@ -44,3 +44,10 @@ def test_this_process_is_looked_at_and_one_that_has_ended_is_none() -> None:
     assert during is not None
     assert during.descriptors == before.descriptors + 1
     assert usage_of(2**22 + 1, 0.0) is None
+
+
+def test_what_fills_once_is_no_growth() -> None:
+    filled = [Usage(t, 100 + min(t / 60, 20), 30, 8) for t in range(0, HOUR_S, 5)]
+    figures = growth(filled)
+    assert figures["mb_last"] - figures["mb_first"] > 10
+    assert figures["mb_per_hour"] == 0.0
