@@ -70,9 +70,9 @@ export class Controls {
     return this.#operates;
   }
 
-  /** Who operates, and what can be done about the lease. */
+  /** Who operates, whose page this is, and what can be done about the lease. */
   get facts() {
-    return { operates: this.#operates, mayOperate: this.#mayOperate, act: this.#leaseAct };
+    return { operates: this.#operates, mayOperate: this.#mayOperate, operator: this.#operator, act: this.#leaseAct };
   }
 
   /** Without a connection all controls are disabled. */

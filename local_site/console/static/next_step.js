@@ -23,7 +23,7 @@ const nothing = (words) => ({ next: null, minor: [], words });
 export const lostWords = `${IF_IT_MOVES} Then start farhand console again, on its host.`;
 
 /**
- * Which button is next, whether it has to wait, which are minor, and what to do in words. `act` is what can be done about the lease,
+ * Which button is next, whether it has to wait, which are minor, and what to do in words. `operator` is whose page this is, `act` what can be done about the lease,
  * `down` whether the key is held here, `stale` what is wrong with the pictures, `back` in which direction the hand gets back from a limit.
  */
 export function stepOf(condition, situation, { operates, mayOperate, ...facts }) {
@@ -50,9 +50,9 @@ function watching({ halt }, seat, mayOperate) {
   return { next: null, minor: ["seat-button"], words };
 }
 
-function operating(condition, situation, { held, act, down, stale, back }) {
+function operating(condition, situation, { operator, held, act, down, stale, back }) {
   const { robot, hand, seat } = situation;
-  if (condition.halt !== undefined) return reset(condition.halt, situation, act);
+  if (condition.halt !== undefined) return reset(condition.halt, situation, operator);
   if (condition.name === "other") return { next: "lease-button", minor: [], words: askWords(robot.lease, act) };
   if (act?.action === "take" && isSilent(hand)) return nothing(LOCAL_SILENT);
   if (act?.action === "take") return { next: "lease-button", minor: [], words: "No operator has the robot: take it." };
@@ -68,9 +68,9 @@ function operating(condition, situation, { held, act, down, stale, back }) {
 const isSilent = (hand) => hand === null || hand.silent;
 
 /** A stop or a fault: what it was, and who may reset it, by which button. */
-function reset(halt, { robot, hand }, act) {
+function reset(halt, { robot, hand }, operator) {
   const what = haltedWords(halt);
-  if (act?.action !== "take") {
+  if (robot.lease?.holder === operator) { // at whichever local site
     const first = halt.cause ? "Have it put right" : "When it is safe to go on";
     return { next: "reset", minor: [], words: `${what} ${first}, ${halt.cause ? "then " : ""}press Reset: that alone moves nothing.` };
   }

@@ -28,7 +28,7 @@ SCRIPT = """
   const condition = bar.conditionOf(situation, whose, bar.saidOf(false));
   const operates = situation.seat.page === whose.page;
   const act = people.leaseAct(situation.robot?.lease ?? null, whose.operator);
-  const said = step.stepOf(condition, situation, { operates, mayOperate: true, act, down: false, ...facts });
+  const said = step.stepOf(condition, situation, { ...whose, operates, mayOperate: true, act, down: false, ...facts });
   const seat = people.seatWords(situation.seat, situation.robot, { operates, ...whose });
   return { ...condition, step: said.words, next: said.next, seat };
 """

@@ -5,7 +5,7 @@ from msgspec.structs import replace
 
 from bench.page import scene
 from common.clock import NS_PER_S
-from common.messages.robot import Asker, Pose, SessionState
+from common.messages.robot import Asker, LeaseState, Pose, SessionState
 from local_site.console.model.seat import Visitor
 from remote_site.session.fault_latch import EMERGENCY_STOP
 from remote_site.session.halts import Halts
@@ -96,6 +96,12 @@ def test_only_who_may_reset_is_told_to() -> None:
     assert nobody.step == "Stopped by anna. Take the robot, then reset it."
     assert (holder.next, nobody.next, watching.next) == ("lease-button", "lease-button", None)
     assert watching.step == "Stopped by anna. Only the page that operates can reset it."
+
+
+def test_an_operator_resets_at_whichever_of_the_own_sites_the_lease_is() -> None:
+    stop = halted(stopped("berta"))
+    elsewhere = replace(stop, lease=LeaseState(6, OPERATOR, 99, stop.t_ns + 5 * NS_PER_S, None))
+    assert said(elsewhere).next == "reset"
 
 
 def test_pictures_that_are_not_live_are_said_before_anything_else() -> None:
