@@ -23,8 +23,8 @@ const nothing = (words) => ({ next: null, minor: [], words });
 export const lostWords = `${IF_IT_MOVES} Then start farhand console again, on its host.`;
 
 /**
- * Which button is next, whether it has to wait, which are minor, and what to do in words. `operator` is whose page this is, `act` what can be done about the lease,
- * `down` whether the key is held here, `stale` what is wrong with the pictures, `back` in which direction the hand gets back from a limit.
+ * Which button is next, whether it has to wait, which are minor, and what to do in words. `operator` is whose page this is, `act` what
+ * can be done about the lease, `down` whether the key is held here, `stale` what is wrong with the pictures, `back` in which direction the hand gets back from a limit.
  */
 export function stepOf(condition, situation, { operates, mayOperate, ...facts }) {
   const { robot, seat } = situation;
@@ -38,7 +38,7 @@ export function stepOf(condition, situation, { operates, mayOperate, ...facts })
 }
 
 function silentWords({ code }) {
-  if (code === "site_ended") return "The robot's side was ended. To go on, start it again: farhand remote, on its host.";
+  if (code === "site_ended") return `${IF_IT_MOVES} The robot's side was ended: to go on, start it again by farhand remote, on its host.`;
   return `${IF_IT_MOVES} Then check the network, and farhand remote on the robot's host.`;
 }
 
@@ -71,7 +71,7 @@ const isSilent = (hand) => hand === null || hand.silent;
 function reset(halt, { robot, hand }, operator) {
   const what = haltedWords(halt);
   if (robot.lease?.holder === operator) { // at whichever local site
-    const first = halt.cause ? "Have it put right" : "When it is safe to go on";
+    const first = halt.cause ? "Have it put right at the robot" : "When it is safe to go on";
     return { next: "reset", minor: [], words: `${what} ${first}, ${halt.cause ? "then " : ""}press Reset: that alone moves nothing.` };
   }
   if (isSilent(hand)) return nothing(`${what} ${LOCAL_SILENT}`);
