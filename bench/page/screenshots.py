@@ -36,7 +36,7 @@ ENGAGED, DISENGAGED = SessionState.ENGAGED, SessionState.DISENGAGED
 State = Callable[[], RobotState | None]
 READY = Readiness(True, "ready", "ready: waiting to be engaged", False)
 STOPPED = "stopped by anna; reset it, then engage"
-DEAD = "the robot's driver has ended: exit code 1; reset it, then engage"
+DEAD = "process: the driver's process has been silent for 120 ms; reset it, then engage"
 
 
 def anothers() -> RobotState:

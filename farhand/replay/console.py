@@ -34,7 +34,9 @@ from local_site.console.server import bind, make_server
 
 FEED_S, SITUATION_S = 0.01, 0.06
 MOST_AT_ONCE = 2000  # messages between two turns of the event loop
-NO_ROBOT = "this is a replay, no robot is connected to it: for a real one use its own page, or the emergency stop"
+NO_ROBOT = (
+    "this is a replay, no robot is connected to it: for a real one use its own page, or the emergency stop at the robot"
+)
 
 
 def run_replay(

@@ -212,6 +212,7 @@ class PageMessageHandler:
             self._if_operating(page, message.id, self._act(page, message), message.action.value)
             return
         self.seat.interrupt()
+        self._history.stopper.ask(page.visitor, now_ns)
         self._history.note_once("stop", f"stop asked by {page.visitor}", now_ns)
         self._pools.stop(page, message.id)
 

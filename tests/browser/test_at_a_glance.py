@@ -12,6 +12,7 @@ from bench.page.screenshots import STATES, anothers
 from common.messages.hand import Locks, OperatorSettings
 from common.messages.robot import Pose, Readiness, SessionState
 from local_site.console.hub import Hub
+from tests.browser.late_remote import LateRemote
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told
 
@@ -89,6 +90,7 @@ def test_where_a_key_has_to_be_held_it_is_the_next_thing_once_all_is_ready(told:
 
 
 def test_a_key_that_is_down_though_the_arm_does_not_follow_is_to_be_let_go_first(told: Told) -> None:
+    told.age_ms = -60_000.0  # live, however slow the machine: what is not would be said first
     told.state = partial(
         scene.state, SessionState.DISENGAGED, "let_go", "let go", readiness=Readiness(True, "ready", "ready", False)
     )
@@ -116,8 +118,31 @@ def test_a_page_without_a_live_picture_says_so_beside_what_comes_next(told: Told
     told.until("pictures again", lambda: "No live picture" not in told.page.words("#step-words"))
 
 
+def test_a_view_that_is_not_live_is_named_first_though_others_are(told: Told) -> None:
+    told.state = STATES["ready"]
+    told.age_ms = -60_000.0
+    told.until("nothing wrong", lambda: told.page.words("#step-words").startswith("Hold"))
+    told.picture = lambda camera, seq: scene.picture(
+        camera, seq, told.jpeg, age_ms=4000.0 if camera == "side" else -60_000.0
+    )
+    told.until("the view", lambda: told.page.words("#step-words").startswith("Look out: side is "))
+    assert "s old. Wait for live pictures, or hold only if you see the arm itself." in told.page.words("#step-words")
+
+
+def test_at_a_limit_the_way_back_is_said_in_words(told: Told) -> None:
+    late = LateRemote(0)
+    told.age_ms = -60_000.0
+    told.hand, told.state = late.hand, lambda: replace(late.state(), code="outside_box", reason="beyond the workspace")
+    for _ in range(8):
+        told.tell()
+    late.still = True
+    told.until("the way back", lambda: told.page.words("#step-words").startswith("Move your hand "))
+    told.until("its direction", lambda: "back the way it came" not in told.page.words("#step-words"))
+
+
 def test_a_refusal_hides_neither_the_next_step_nor_its_button_and_goes_by_itself(told: Told) -> None:
     told.sites.silent = True
+    told.until("the button", lambda: told.page.page.is_visible("#disengage"))
     told.page.page.keyboard.press("c")
     told.page.page.keyboard.press("d")
     told.until("the refusal", lambda: "nobody answers" in told.page.words("#alert"))

@@ -33,7 +33,7 @@ SHOWN = {
     "engaged": (STATES["engaged"], "dn"),
     "holding": (STATES["holding"], "dn"),
     "clutched": (CLUTCHED, "dn"),
-    "another operates": (STATES["another operates"], ""),
+    "another operates": (STATES["another operates"], "o"),
 }
 SIZES = ((1920, 1080), (390, 844), (320, 120), (60, 60))
 SENT = """() => {
@@ -41,8 +41,8 @@ SENT = """() => {
   const send = WebSocket.prototype.send;
   WebSocket.prototype.send = function (text) { window.sent.push(JSON.parse(text)); send.call(this, text); };
 }"""
-AS_KEYS = """() => window.sent.splice(0).filter(({ type }) => type === "ask" || type === "new_origins")
-  .map(({ type, action }) => (type === "new_origins" ? "n" : action[0]))"""
+AS_KEYS = """() => window.sent.splice(0).filter(({ type }) => ["ask", "ask_lease", "new_origins"].includes(type))
+  .map(({ type, action }) => ({ new_origins: "n", ask_lease: "o" })[type] ?? action[0])"""
 CLUTCHES = "() => window.sent.splice(0).filter(({ type }) => type === 'beat').map(({ clutch }) => clutch)"
 DOWN = """() => window.sent.splice(0)
   .some(({ type, down, assist, clutch }) => type === "beat" && (down || assist !== null || clutch !== "up"))"""
@@ -67,7 +67,7 @@ def overheard(told_here: Told) -> Told:
 def shows(told: Told, name: str) -> None:
     """Tell this state until the page shows it, with the buttons that belong to it."""
     told.state, keys = SHOWN[name]
-    ids = {"r": "reset", "e": "engage", "d": "disengage", "n": "origins"}
+    ids = {"r": "reset", "e": "engage", "d": "disengage", "n": "origins", "o": "lease-button"}
     shown = "(ids) => ids.filter((id) => document.getElementById(id).checkVisibility())"
     buttons = {ids[key] for key in keys}
     told.until("its buttons", lambda: set(told.page.page.evaluate(shown, list(ids.values()))) == buttons)
@@ -84,7 +84,7 @@ def pressed(told: Told, keys: str) -> str:
 @pytest.mark.parametrize("name", SHOWN)
 def test_a_key_acts_only_while_its_button_is_shown(overheard: Told, name: str) -> None:
     shows(overheard, name)
-    assert sorted(pressed(overheard, "edrnEDRN")) == sorted(2 * SHOWN[name][1])
+    assert sorted(pressed(overheard, "edrnoEDRNO")) == sorted(2 * SHOWN[name][1])
 
 
 def test_in_a_fault_e_engages_nothing_however_often_it_is_pressed(overheard: Told) -> None:
@@ -135,7 +135,7 @@ def test_a_page_that_only_watches_asks_for_nothing(overheard: Told) -> None:
     shows(overheard, "ready")
     overheard.page.page.click("#seat-button")
     overheard.until("the seat left", lambda: overheard.page.page.is_disabled("#engage"))
-    assert pressed(overheard, "edrnc") == ""
+    assert pressed(overheard, "edrnoc") == ""
     overheard.page.page.click("#seat-button")
     overheard.until("the seat", lambda: overheard.page.page.is_enabled("#engage"))
 
@@ -286,7 +286,7 @@ def test_the_clutch_is_down_while_it_is_held_and_what_is_next_is_said(overheard:
     clutched(overheard, "down")
     overheard.state = CLUTCHED
     overheard.until("the word", lambda: overheard.page.state() == "clutched")
-    assert "let go to go on" in overheard.page.words("#step-words")
+    assert "then let go of the clutch" in overheard.page.words("#step-words")
     assert page.get_attribute("#clutch", "data-rank") == "next"
     clutched(overheard, "down")
     if by == "key":

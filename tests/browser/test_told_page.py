@@ -215,7 +215,7 @@ def test_the_lease_says_whose_it_is_and_what_can_be_done(told: Told, holder: str
     asker = Asker(asked_by, ASKERS_SESSION) if asked_by is not None else None
     session = scene.hand().session if holder == OPERATOR else 9
     told.state = partial(told.state, lease=LeaseState(6, holder, session, time.monotonic_ns(), asker))
-    told.until("the words", lambda: told.page.words("#lease-button") == words)
+    told.until("the words", lambda: told.page.words("#lease-words") == words)
     assert told.page.page.is_visible("#lease-button")
     assert holder in told.page.words("#lease")
     asked = len(told.sites.consented)
@@ -226,7 +226,7 @@ def test_the_lease_says_whose_it_is_and_what_can_be_done(told: Told, holder: str
 
 def test_another_host_of_the_own_name_is_asked_for_the_lease_like_anybody(told: Told) -> None:
     told.state = partial(told.state, lease=LeaseState(6, OPERATOR, 9, time.monotonic_ns(), None))
-    told.until("the words", lambda: told.page.words("#lease-button") == f"Ask {OPERATOR} (site 9) for it")
+    told.until("the words", lambda: told.page.words("#lease-words") == f"Ask {OPERATOR} (site 9) for it")
 
 
 @pytest.mark.parametrize(
@@ -314,7 +314,9 @@ def test_a_cell_without_a_held_key_shows_none_and_says_that_a_closed_page_holds_
     assert told.page.page.is_visible("#hold")
     assert not told.page.page.is_visible("#unheld")
     told.describe(held=False)
-    told.until("the words", lambda: "holds when this page is closed" in told.page.page.inner_text("#controls"))
+    told.until(
+        "the words", lambda: "If you close or hide this page, the arm stops" in told.page.page.inner_text("#controls")
+    )
     told.until("no key", lambda: not told.page.page.is_visible("#hold"))
     told.shot("nothing held")
     assert told.page.page.evaluate(CHECK)["poor"] == []

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from common.clock import NS_PER_S
 from common.link.channels import STATE
 from common.messages.robot import STOPPED, RobotState, SessionState
+from local_site.console.model.stopper import Stopper
 from local_site.console.model.unanswered import UnansweredFault
 
 KEPT = 30
@@ -26,7 +27,9 @@ class Event:
 
 
 class History:
-    """Keeps the last events; a repetition is not noted. `unanswered` is the fault or stop in which a site has ended."""
+    """Keeps the last events; a repetition is not noted. `unanswered` is the fault or stop in which a site has ended,
+    `stopper` the page whose stop stands.
+    """
 
     def __init__(self) -> None:
         self.events: deque[Event] = deque(maxlen=KEPT)
@@ -37,6 +40,7 @@ class History:
         self._said_ns: dict[str, int] = {}
         self._silent_since_ns: int | None = None
         self.unanswered = UnansweredFault()
+        self.stopper = Stopper()
 
     def note(self, kind: str, text: str, now_ns: int) -> None:
         """Note an event."""
@@ -71,6 +75,7 @@ class History:
     def add_state(self, state: RobotState, now_ns: int) -> None:
         """Note a change of state, of its code or who stopped it, of the links' trouble, or of who holds the lease."""
         self.unanswered.see(state)
+        self.stopper.see(state, now_ns)
         self._note_session(state, now_ns)
         self._note_links(state, now_ns)
         self._note_limit(state, now_ns)

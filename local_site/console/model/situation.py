@@ -13,7 +13,7 @@ from common.messages.robot import LeaseState, RobotState
 from local_site.console.model.delay import loop_delay_ms, suggested_scale
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
-from local_site.console.model.seat import Seat
+from local_site.console.model.seat import Seat, Visitor
 
 NOT_FOR_PAGES = ("session", "clock", "obeyed", "traced", "settings", "reference")
 
@@ -53,9 +53,8 @@ def situation_json(
         "own_recording": _own_recording(newest, now_ns),
         "clock": _clock_fields(clock, round_trip_ms),
         "delay": _delay_fields(latency),
-        "seat": {
-            "page": seat.occupant.number if seat.occupant is not None else None,
-            "who": str(seat.occupant) if seat.occupant is not None else None,
+        "seat": _page_fields(seat.occupant)
+        | {
             "held": seat.held(now_ns),
             "late": seat.late(now_ns),
         },
@@ -63,12 +62,18 @@ def situation_json(
         "latency": latency,
         "trace": asdict(latencies.trace) if latencies.trace is not None else None,
         "unanswered": history.unanswered.reason,
+        "stopper": _page_fields(history.stopper.page),
         "events": [
             {"number": e.number, "ago_ms": (now_ns - e.t_ns) / NS_PER_MS, "kind": e.kind, "text": e.text}
             for e in history.events
         ],
     }
     return msgspec.json.encode(situation).decode()
+
+
+def _page_fields(page: Visitor | None) -> dict[str, Any]:
+    """A page's number, and what people call it; both None without one."""
+    return {"page": page.number, "who": str(page)} if page is not None else {"page": None, "who": None}
 
 
 def _robot_fields(newest: NewestMessages, state: RobotState, now_ns: int) -> dict[str, Any]:

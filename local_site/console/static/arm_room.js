@@ -1,7 +1,7 @@
 // The 3D view: when the arm is drawn, from where, and the words below it.
 import { ArmDrawing } from "./arm_drawing.js";
 import { limitWords } from "./joint_limits.js";
-import { distance, frames, origin, turnedBy } from "./kinematics.js";
+import { frames, origin } from "./kinematics.js";
 import { Orbit } from "./orbit.js";
 import { LastDrawn, sized, tones } from "./surface.js";
 import { READ_MS, put } from "./words.js";
@@ -76,10 +76,6 @@ export class ArmRoom {
     this.#describedMs = performance.now();
     const tool = origin(frames(this.#cell, robot.q).at(-1));
     const words = [limitWords(this.#cell, robot.q), `tool at ${tool.map((v) => (v * 1000).toFixed(0)).join(", ")} mm`];
-    if (robot.target !== null) {
-      const turned = turnedBy(robot.target.orientation, robot.base_T_tool.orientation);
-      words.push(`hand's target ${(1000 * distance(robot.target.position, tool)).toFixed(0)} mm and ${turned.toFixed(0)}° away`);
-    }
     if (robot.min_distance !== null) words.push(`nearest obstacle ${(robot.min_distance * 1000).toFixed(0)} mm`);
     if (robot.silent) words.push("last state received: the remote site is silent");
     put(this.#words, words.filter(Boolean).join(" · "));

@@ -1,11 +1,13 @@
 // What the arm does, as the page says it at a glance: one condition with its tone, word, second line and sentence; pure.
+import { EMERGENCY } from "./emergency.js";
 import { ageWords } from "./freshness.js";
+import { haltOf, haltSentence } from "./halt_words.js";
 import { distance, turnedBy } from "./kinematics.js";
 import { limitOf, limitWords } from "./limits.js";
 import { handTrouble } from "./link_line.js";
 
 const LIVE = {
-  lost: "the console does not answer, and nothing that you press reaches the arm: if it moves, use the emergency stop; start farhand console again",
+  lost: `the console does not answer, and nothing that you press reaches the arm: if it moves, ${EMERGENCY}`,
   none: (remote) => `nothing has come from the remote site${remote ? ` at ${remote}` : ""} yet`,
   noneWord: "no robot",
   silent: (age) => `the remote site has been silent for ${age}`,
@@ -26,22 +28,28 @@ export const saidOf = (isReplay) => (isReplay ? RECORDED : LIVE);
 
 export const lostCondition = (said) => ({ name: "lost", tone: "fault", word: "no connection", sentence: said.lost });
 
-/** The condition of the newest situation. `operator` is whose page this is, `remote` the remote site's address. A `second` line
- * says more about the word, where there is more; `limit` is the name of the one that holds the arm back. Before anything has come
- * nothing is wrong. */
-export function conditionOf(situation, { operator, remote }, said) {
+/** The condition of the newest situation. `whose` is this page's number, its `operator` and the `remote` site's address. A `second` line
+ * says more about the word, where there is more; `limit` is the name of the one that holds the arm back, `halt` who has stopped it and
+ * what has failed. Before anything has come nothing is wrong. */
+export function conditionOf(situation, whose, said) {
+  const { operator, remote } = whose;
   const { robot } = situation;
   if (robot === null) return { name: "none", tone: "idle", word: said.noneWord, sentence: said.none(remote) };
   if (robot.silent) return silent(robot, said);
-  if (robot.state === "fault") return { name: "fault", tone: "fault", word: "fault", sentence: robot.reason };
-  if (robot.readiness.code === "stopped") return { name: "stopped", tone: "fault", word: "stopped", sentence: robot.reason };
+  if (robot.state === "fault") return halted("fault", situation, whose);
+  if (robot.readiness.code === "stopped") return halted("stopped", situation, whose);
   if (isAnothers(robot.lease, operator)) return another(robot);
   return { ...session(robot), sentence: sentenceOf(situation) };
 }
 
 /** Whether somebody else may operate; without a hand from the local site its session is not known, but the name is. */
-function isAnothers(lease, operator) {
+export function isAnothers(lease, operator) {
   return lease !== null && !lease.ours && (lease.holder !== operator || lease.local_known);
+}
+
+function halted(name, { robot, stopper }, whose) {
+  const halt = haltOf(robot.reason, whose, stopper);
+  return { name, tone: "fault", word: name, sentence: haltSentence(halt), halt };
 }
 
 function silent(robot, said) {
@@ -50,9 +58,9 @@ function silent(robot, said) {
 }
 
 function another(robot) {
-  const { words } = robot.lease;
-  const doing = robot.state === "disengaged" ? "" : ` (${robot.state})`;
-  return { name: "other", tone: "other", word: `${robot.lease.holder} operates`, sentence: `${words} operates${doing}; your hand moves nothing` };
+  const { holder, words } = robot.lease;
+  const doing = robot.state === "engaged" ? `the arm follows the hand of ${words}` : `the arm rests, and is ${words}'s to move`;
+  return { name: "other", tone: "other", word: `${holder} operates`, sentence: `${doing}; your hand moves nothing` };
 }
 
 function session(robot) {
@@ -83,6 +91,7 @@ function lockWords(settings) {
 function sentenceOf({ robot, settings, unanswered, clock }) {
   const before = unanswered === null ? [] : [`the remote site has started again, and knows nothing of this any more: ${unanswered}`];
   const missing = robot.state === "disengaged" && robot.readiness.reason !== robot.reason ? [robot.readiness.reason] : [];
-  const following = robot.state === "engaged" ? [behindWords(robot), lockWords(settings)] : [];
+  const behind = limitOf(robot.code) === null ? behindWords(robot) : ""; // a limit has a figure of its own
+  const following = robot.state === "engaged" ? [behind, lockWords(settings)] : [];
   return [...before, robot.reason, ...following, ...missing, handTrouble(robot, clock)].filter(Boolean).join(" · ");
 }

@@ -1,9 +1,11 @@
 // The operator's controls: who operates, engaging, scales, origins and locks, and the facts beside them.
 import { pressByKey } from "./keys.js";
+import { leaseAct, leaseWords, seatWords } from "./operators.js";
 import { ShownHalts } from "./shown_halts.js";
 import { mark, put } from "./words.js";
 
 const KEYS = { e: "engage", d: "disengage", r: "reset", n: "origins" };
+const LEASE_KEY = "o"; // who operates
 const MOVED_MS = 500; // after its last change
 const READ_AGAIN_MS = 8000; // a refusal is read by then, and what it said may no longer be so
 const element = (id) => document.getElementById(id);
@@ -37,7 +39,8 @@ export class Controls {
     element("rotation").addEventListener("input", () => this.steer({ rotation_scale: Number(element("rotation").value) }));
     element("seat-button").addEventListener("click", () => this.#changeSeat());
     element("lease-button").addEventListener("click", () => this.#askLease());
-    pressByKey(Object.fromEntries(Object.entries(KEYS).map(([key, name]) => [key, this.#buttons[name]])));
+    const pressed = Object.entries(KEYS).map(([key, name]) => [key, this.#buttons[name]]);
+    pressByKey({ ...Object.fromEntries(pressed), [LEASE_KEY]: element("lease-button") });
     this.#enable();
   }
 
@@ -67,9 +70,9 @@ export class Controls {
     return this.#operates;
   }
 
-  /** Who operates, and what can be done about the lease. */
+  /** Who operates, whose page this is, and what can be done about the lease. */
   get facts() {
-    return { operates: this.#operates, mayOperate: this.#mayOperate, act: this.#leaseAct };
+    return { operates: this.#operates, mayOperate: this.#mayOperate, operator: this.#operator, act: this.#leaseAct };
   }
 
   /** Without a connection all controls are disabled. */
@@ -83,7 +86,7 @@ export class Controls {
     if (seat.page !== this.#seatedPage) this.#alert.clear("controls");
     this.#seatedPage = seat.page;
     this.#operates = seat.page === this.#page;
-    this.#showSeat(seat);
+    this.#showSeat(seat, robot);
     this.#showSettings(settings);
     this.#showFacts(robot, hand);
     this.#enable();
@@ -98,10 +101,10 @@ export class Controls {
     for (const control of [...this.#locks, element("scale"), element("rotation"), element("suggestion"), this.#buttons.origins]) control.disabled = !sets;
   }
 
-  #showSeat(seat) {
-    const who = seat.who === null ? "nobody operates" : `${seat.who} operates`;
-    const late = seat.late ? ", but page and console hear each other too late: what you hold does not count" : "";
-    put(element("seat"), this.#operates ? `you operate (page ${seat.page})${late}` : `you watch; ${who}`);
+  #showSeat(seat, robot) {
+    const words = seatWords(seat, robot, { operates: this.#operates, operator: this.#operator });
+    put(element("seat"), words);
+    mark(element("unheld"), "data-counts", this.#operates && words !== "");
     put(element("seat-button"), this.#operates ? "Leave controls" : "Take controls");
     element("seat-button").disabled = !this.#mayOperate;
   }
@@ -142,7 +145,7 @@ export class Controls {
     put(element("gripper"), gripperWords(robot));
     put(element("lease"), leaseWords(robot));
     this.#leaseAct = leaseAct(robot?.lease ?? null, this.#operator);
-    if (this.#leaseAct !== null) put(element("lease-button"), this.#leaseAct.words);
+    if (this.#leaseAct !== null) put(element("lease-words"), this.#leaseAct.words);
   }
 
   /** A reset names what its operator can have read, so that it clears no stop that came a moment ago. */
@@ -181,19 +184,4 @@ function gripperWords(robot) {
   if (gripper === null) return `not measured; ${next}`;
   const force = gripper.force === null ? "" : `, ${gripper.force.toFixed(0)} N`;
   return `${gripper.status.replace("_", " ")}, ${(gripper.opening * 1000).toFixed(0)} mm${force}; ${next}`;
-}
-
-/** What this operator can do about the lease: take it, ask its holder for it, or hand it to the operator who asks; or nothing. */
-function leaseAct(lease, operator) {
-  if (lease === null) return { action: "take", words: "Take the robot" };
-  const asker = lease.asked_by;
-  if (lease.ours) {
-    return asker === null ? null : { action: "give", to: { name: asker.name, session: asker.session }, words: `Hand over to ${asker.words}` };
-  }
-  return { action: "take", words: asker?.name === operator ? "Ask again" : `Ask ${lease.words} for it` };
-}
-
-function leaseWords(robot) {
-  if (robot === null) return "unknown";
-  return robot.lease === null ? "nobody holds it" : `${robot.lease.words}${robot.lease.asked_by ? `, asked by ${robot.lease.asked_by.words}` : ""}`;
 }

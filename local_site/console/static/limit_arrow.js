@@ -1,9 +1,8 @@
 // An arrow from the tool to where the hand pushes against a limit, with the limit's name; on pictures and in the 3D view.
-import { distance } from "./kinematics.js";
 import { letter } from "./letters.js";
+import { pushOf } from "./push.js";
 
 const LONG_M = 0.09;
-const LEAST_PUSH_M = 0.004; // a limit of the orientation alone has no direction
 const HEAD = 0.93; // in letters, as the widths below
 const TONES = [["#000000c0", 0.64], ["#f5b935", 0.36]];
 
@@ -11,16 +10,10 @@ const TONES = [["#000000c0", 0.64], ["#f5b935", 0.36]];
 export function drawPush(context, project, tool, wanted, name) {
   const at = project(tool);
   if (at === null) return;
-  const towards = wanted === null ? null : pushOf(tool, wanted);
-  const tip = towards === null ? null : project(towards);
+  const push = pushOf(tool, wanted);
+  const tip = push === null ? null : project(tool.map((v, axis) => v + LONG_M * push[axis]));
   if (tip !== null) drawArrow(context, at, tip);
   drawName(context, tip ?? at, name);
-}
-
-/** The arrow's tip (m) for a tool and where the hand wants it; null where the hand pushes in no direction. */
-function pushOf(tool, wanted) {
-  const push = distance(tool, wanted);
-  return push < LEAST_PUSH_M ? null : tool.map((v, axis) => v + (LONG_M * (wanted[axis] - v)) / push);
 }
 
 function drawArrow(context, from, to) {

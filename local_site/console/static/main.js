@@ -126,7 +126,7 @@ connection.onChange = (open) => {
 function operate(situation, condition) {
   stop.show(situation);
   controls.show(situation);
-  steps.show(condition, situation, { ...controls.facts, down: hold.down, blind: views.isBlind });
+  steps.show(condition, situation, { ...controls.facts, down: hold.down, stale: views.stale, tools });
   assist.show(situation.robot, controls.operates);
   recording.show(situation.robot, situation.own_recording, controls.operates);
 }

@@ -1,7 +1,10 @@
 // The one thing to do next, and what else is possible: for each button next, minor or absent; pure.
 // A button that has to wait keeps its place: one that comes and goes would be missed, or another be hit.
+import { EMERGENCY } from "./emergency.js";
+
+const IF_IT_MOVES = `If the arm moves, ${EMERGENCY}.`;
 const CLUTCH = {
-  clutched: "Move your hand to where it has room, let go to go on.",
+  clutched: "Move your hand to where it has room, then let go of the clutch.",
   clutch_unseen: "Nobody saw the clutch let go: press it again, let go.",
   clutch_settling: "Keep your hand still: the arm follows in a moment.",
 };
@@ -10,61 +13,112 @@ const BEFORE_CLUTCH = {
   clutch_unseen: "Nobody saw the clutch let go: press it, let go, engage.",
   clutch_settling: "Keep your hand still.",
 };
+const OF_THE_HAND = ["lost", "initialising", "no_wrist", "uncertain", "no_covariance", "jump", "jumps"];
+const READY = { engage: "Press Engage: the arm then follows your hand.", hold: "Hold to let the arm follow your hand." };
+const LOCAL_SILENT = "The local site is silent. On this host, type: farhand local";
+const MOST_CAUSE = 110; // letters: the bar has the whole sentence
 const nothing = (words) => ({ next: null, minor: [], words });
 
+/** What to do where the page has lost its console. */
+export const lostWords = `${IF_IT_MOVES} Then start farhand console again, on its host.`;
+
 /**
- * Which button is next, whether it has to wait, which are minor, and what to do in words. `act` is what can be done about the lease,
- * `down` whether the key is held here, `blind` whether no view shows the cell.
+ * Which button is next, whether it has to wait, which are minor, and what to do in words. `operator` is whose page this is, `act` what
+ * can be done about the lease, `down` whether the key is held here, `stale` what is wrong with the pictures, `back` in which direction the hand gets back from a limit.
  */
 export function stepOf(condition, situation, { operates, mayOperate, ...facts }) {
   const { robot, seat } = situation;
-  if (robot === null) return nothing("Start the robot's side: farhand remote, on its host. If the arm moves, use the emergency stop.");
-  if (robot.silent) return nothing("Nothing can be done here until the remote site answers. If the arm moves, use the emergency stop.");
-  if (!operates) return watching(seat, mayOperate);
+  if (robot === null) return nothing(`Start the robot's side: type farhand remote, on its host. ${IF_IT_MOVES}`);
+  if (robot.silent) return nothing(silentWords(robot));
+  if (!operates) return watching(condition, seat, mayOperate);
   const step = { ...operating(condition, situation, facts) };
-  if (facts.blind) step.words = `No live picture of the cell. ${step.words}`;
+  if (facts.stale) step.words = `${facts.stale} ${step.words}`;
   step.minor = [...step.minor, "seat-button"].filter((name) => name !== step.next);
   return step;
 }
 
-function watching(seat, mayOperate) {
-  if (!mayOperate) return nothing("This console only watches.");
-  if (seat.page !== null) return { next: null, minor: ["seat-button"], words: `You watch. ${seat.who} operates.` };
-  return { next: "seat-button", minor: [], words: "Nobody operates: take the controls." };
+function silentWords({ code }) {
+  if (code === "site_ended") return `${IF_IT_MOVES} The robot's side was ended: to go on, start it again by farhand remote, on its host.`;
+  return `${IF_IT_MOVES} Then check the network, and farhand remote on the robot's host.`;
 }
 
-function operating(condition, { robot, hand, seat }, { held, act, down }) {
-  if (condition.name === "fault" || condition.name === "stopped") return { next: "reset", minor: [], words: "When the cause is gone, reset." };
-  if (condition.name === "other") return { next: "lease-button", minor: [], words: "Ask whoever operates to hand over." };
-  if (act?.action === "take" && (hand === null || hand.silent)) return nothing("The local site is silent. On this host, type: farhand local");
+function watching({ halt }, seat, mayOperate) {
+  const before = halt === undefined ? "" : `${haltedWords(halt)} `;
+  if (!mayOperate) return nothing(`${before}This console only watches.`);
+  if (seat.page === null) return { next: "seat-button", minor: [], words: `${before}Nobody operates: take the controls.` };
+  const words = before ? `${before}Only the page that operates can reset it.` : "To operate, have the other page leave the controls, then take them here.";
+  return { next: null, minor: ["seat-button"], words };
+}
+
+function operating(condition, situation, { operator, held, act, down, stale, back }) {
+  const { robot, hand, seat } = situation;
+  if (condition.halt !== undefined) return reset(condition.halt, situation, operator);
+  if (condition.name === "other") return { next: "lease-button", minor: [], words: askWords(robot.lease, act) };
+  if (act?.action === "take" && isSilent(hand)) return nothing(LOCAL_SILENT);
   if (act?.action === "take") return { next: "lease-button", minor: [], words: "No operator has the robot: take it." };
   if (seat.late) return { next: held ? "hold" : null, minor: ["disengage"], words: "This page's reports come late: close other programs here, then let go and begin again." };
   const handOver = act === null ? [] : ["lease-button"];
-  if (robot.state === "disengaged") return disengaged(robot, held, handOver, down);
+  if (robot.state === "disengaged") return disengaged(robot, { held, down, stale }, handOver);
   const running = { minor: ["disengage", "clutch", "origins", ...handOver] };
   if (condition.name === "clutched") return { ...running, next: held ? "hold" : "clutch", words: CLUTCH[robot.code] };
-  if (robot.state === "holding") return { ...running, next: held ? "hold" : null, words: "The arm waits. Show your hand calmly; it goes on by itself." };
-  return { ...running, next: held ? "hold" : null, words: followingWords(condition, held) };
+  if (robot.state === "holding") return { ...running, next: held ? "hold" : null, words: holdingWords(robot) };
+  return { ...running, next: held ? "hold" : null, words: followingWords(condition, held, back) };
 }
 
-function followingWords({ name, limit }, held) {
-  if (name === "limited") return backWords(limit);
+const isSilent = (hand) => hand === null || hand.silent;
+
+/** A stop or a fault: what it was, and who may reset it, by which button. */
+function reset(halt, { robot, hand }, operator) {
+  const what = haltedWords(halt);
+  if (robot.lease?.holder === operator) { // at whichever local site
+    const first = halt.cause ? "Have it put right at the robot" : "When it is safe to go on";
+    return { next: "reset", minor: [], words: `${what} ${first}, ${halt.cause ? "then " : ""}press Reset: that alone moves nothing.` };
+  }
+  if (isSilent(hand)) return nothing(`${what} ${LOCAL_SILENT}`);
+  const words = robot.lease === null ? "Take the robot, then reset it." : `Only ${robot.lease.words} can reset it: ask for the robot to do it yourself.`;
+  return { next: "lease-button", minor: [], words: `${what} ${words}` };
+}
+
+function haltedWords({ who, cause }) {
+  const stopped = who === "you" ? "You stopped the arm." : who && `Stopped by ${who}.`;
+  return [stopped, cause && `Fault: ${ended(cause)}`].filter(Boolean).join(" ");
+}
+
+function ended(sentence) {
+  if (sentence.length > MOST_CAUSE) return `${sentence.slice(0, MOST_CAUSE).trimEnd()} …`;
+  return /[.?!]$/.test(sentence) ? sentence : `${sentence}.`;
+}
+
+function askWords({ words }, act) {
+  if (act?.isAsked) return `${words} has been asked: wait until the robot is handed over.`;
+  return `To operate yourself, ask ${words} for the robot.`;
+}
+
+function holdingWords({ code }) {
+  if (OF_THE_HAND.includes(code)) return "The arm waits: show your hand to the cameras and keep it calm. It goes on by itself.";
+  return "The arm waits: keep your hand calm. It goes on by itself.";
+}
+
+function followingWords({ name, limit }, held, back) {
+  if (name === "limited") return backWords(limit, back);
   if (name === "behind") return "The tool is behind your hand: move slowly, or turn it back.";
   if (name === "led") return "The tool moves by itself while you hold Assist.";
   return held ? "Keep it held: the arm follows your hand." : "Move your hand: the arm follows.";
 }
 
-/** Only a place pushes back from a direction: the rest has no arrow. */
-function backWords(limit) {
+/** Only a place pushes back from a direction. */
+function backWords(limit, back) {
   if (limit === "speed limit") return "Move your hand more slowly.";
-  return ["workspace", "obstacle", "reach", "leash"].includes(limit) ? "Move your hand back, against the arrow." : "Turn or move your hand back.";
+  if (!["workspace", "obstacle", "reach", "leash"].includes(limit)) return "Turn or move your hand back the way it came.";
+  const where = back || "back the way it came";
+  return limit === "leash" ? `Wait for the arm, or move your hand ${where}.` : `Move your hand ${where}: the arm goes no further.`;
 }
 
-function disengaged({ readiness, code }, held, minor, down) {
+function disengaged({ readiness, code }, { held, down, stale }, minor) {
   if (readiness.code === "robot_not_ready") return { next: "reset", minor, words: "The robot takes no commands: reset it." };
   if (readiness.code in CLUTCH) return { next: "clutch", minor, words: BEFORE_CLUTCH[readiness.code] };
   if (!readiness.ready) return { next: held ? "hold" : "engage", waits: true, minor, words: `Not ready: ${readiness.reason}` };
-  if (!held) return { next: "engage", minor, words: "Engage to let the arm follow your hand." };
-  const first = down || code === "let_go_first" ? "Let go first. " : "";
-  return { next: "hold", minor, words: `${first}Hold to let the arm follow your hand.` };
+  const first = held && (down || code === "let_go_first") ? "Let go first. " : "";
+  const words = stale ? `Wait for live pictures, or ${held ? "hold" : "engage"} only if you see the arm itself.` : READY[held ? "hold" : "engage"];
+  return { next: held ? "hold" : "engage", minor, words: `${first}${words}` };
 }

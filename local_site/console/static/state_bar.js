@@ -16,7 +16,7 @@ export class StateBar {
   #saidMs = -Infinity;
   #connected = false;
   #said = saidOf(false);
-  #whose = { operator: "", remote: "" };
+  #whose = { page: null, operator: "", remote: "" };
   #changed;
 
   /** `changed` is called with each other condition that is shown. */
@@ -24,9 +24,9 @@ export class StateBar {
     this.#changed = changed;
   }
 
-  hello({ replay, operator, remote }) {
+  hello({ replay, page, operator, remote }) {
     this.#said = saidOf(replay !== null);
-    this.#whose = { operator, remote };
+    this.#whose = { page, operator, remote };
   }
 
   describe({ cell, robot, driver }) {

@@ -1,5 +1,6 @@
 // The operator's buttons: the one that comes next is large, what else is possible small, the rest is not there.
-import { stepOf } from "./next_step.js";
+import { lostWords, stepOf } from "./next_step.js";
+import { WayBack } from "./push.js";
 import { mark, put } from "./words.js";
 
 const NAMES = ["seat-button", "lease-button", "hold", "engage", "disengage", "reset", "clutch", "origins"];
@@ -9,17 +10,18 @@ export class Steps {
   #words = document.getElementById("step-words");
   #buttons = NAMES.map((name) => document.getElementById(name));
   #held = false;
+  #wayBack = new WayBack();
 
   describe({ held }) {
     this.#held = held;
   }
 
-  show(condition, situation, controls) {
-    this.#set(stepOf(condition, situation, { ...controls, held: this.#held }));
+  show(condition, situation, { tools, ...controls }) {
+    this.#set(stepOf(condition, situation, { ...controls, held: this.#held, back: this.#wayBack.words(tools) }));
   }
 
   disconnected() {
-    this.#set({ next: null, minor: [], words: "Nothing can be done from here until the console answers." });
+    this.#set({ next: null, minor: [], words: lostWords });
   }
 
   #set({ next, waits = false, minor, words }) {

@@ -1,4 +1,5 @@
 // The stop: button or Esc, always; repeated until the remote site acknowledges it, with an alarm while it has not.
+import { EMERGENCY } from "./emergency.js";
 const AGAIN_MS = 1000;
 const PATIENT_MS = 500; // without an acknowledgement by then something is wrong
 
@@ -43,7 +44,7 @@ export class StopButton {
     if (performance.now() - this.#askedMs > AGAIN_MS) this.#send();
     if (performance.now() - this.#pressedMs < PATIENT_MS && this.#why === "") return;
     const why = this.#why || "no answer yet";
-    this.#alert.show("stop", "bad", `STOP NOT ACKNOWLEDGED: ${why}. Use the emergency stop. The stop is repeated until it is acknowledged.`);
+    this.#alert.show("stop", "bad", `STOP NOT ACKNOWLEDGED: ${why}. If the arm moves, ${EMERGENCY}. The stop is repeated until it is acknowledged.`);
   }
 
   /** Once the stop is reset, its acknowledgement has been read. */
@@ -67,7 +68,7 @@ export class StopButton {
 
   #stop() {
     if (document.body.hasAttribute("data-replay")) {
-      this.#alert.show("stop", "bad", "This is a replay, no robot is connected to it: for a real one use its own page, or the emergency stop");
+      this.#alert.show("stop", "bad", "This is a replay, no robot is connected to it: stop a real one on its own page, or by the emergency stop at the robot");
       return;
     }
     this.#letGo();

@@ -182,6 +182,13 @@ export class View {
     return this.element.dataset.useless === "false" && SHOWING.includes(this.#header?.status);
   }
 
+  /** What the next step has to say of it: its mark, whether it shows the cell, and its picture's age in ms, null where unknown. */
+  get standing() {
+    const [captureMs, nowMs] = [this.#newest?.captureMs ?? null, this.#now()];
+    const ageMs = captureMs === null || nowMs === null ? null : nowMs - captureMs;
+    return { name: this.name.replaceAll("_", " "), mark: this.element.dataset.mark, isUseful: this.isUseful, ageMs };
+  }
+
   /** What was painted last, for the console; null before the first, or while its age is not known. */
   painted() {
     const newest = this.#newest;

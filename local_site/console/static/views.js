@@ -4,6 +4,7 @@ import { NoViews } from "./no_views.js";
 import { parsePicture } from "./picture.js";
 import { PictureRoom } from "./picture_room.js";
 import { RememberedToggle } from "./remembered_toggle.js";
+import { staleWords } from "./stale_words.js";
 import { ToolPath } from "./tool_path.js";
 import { View } from "./view.js";
 
@@ -120,10 +121,9 @@ export class Views {
     right.element.hidden = left.isKnown && !right.isKnown; // one camera has all the room
   }
 
-  /** Whether no view shows the cell, of those that should. */
-  get isBlind() {
-    const ofCell = [...this.#views].filter(([name]) => name.startsWith(CAMERA));
-    return ofCell.length > 0 && !ofCell.some(([, view]) => view.isUseful);
+  /** Which views of the cell do not show it as it is now, in words, empty where all do or there is none. */
+  get stale() {
+    return staleWords([...this.#views].filter(([name]) => name.startsWith(CAMERA)).map(([, view]) => view.standing));
   }
 
   /** Whether this browser decodes H.264; false until it is known. */

@@ -1,0 +1,25 @@
+// Who has stopped the arm, and what has failed, as this page's operator says it, from the remote site's sentence; pure.
+const TAIL = "; reset it, then engage"; // the next step says it, with who may and by which button
+const EXIT_CODE = / \(exit code -?\d+\)/; // for whoever reads the log; to an operator it says nothing
+const STOPPED_BY = /^stopped by (.+?)(?:; (.*))?$/s;
+
+/**
+ * What halted the arm: `who` stopped it, empty where nobody did, and the `cause` of a fault, empty without one. `stopper` is the page
+ * of this console that asked for the stop that stands, `operator` the name under which all pages of this console stop the arm.
+ */
+export function haltOf(reason, { page, operator }, stopper) {
+  const said = (reason.endsWith(TAIL) ? reason.slice(0, -TAIL.length) : reason).replace(EXIT_CODE, "");
+  const found = STOPPED_BY.exec(said);
+  if (found === null) return { who: "", cause: said };
+  const named = (name) => (name === operator ? here(name, page, stopper) : name);
+  const who = found[1].split(/(, | and )/).map(named).join("");
+  return { who, cause: found[2] ?? "" };
+}
+
+function here(name, page, stopper) {
+  if (stopper === null || stopper.page === null) return name; // as by 'farhand stop'
+  return stopper.page === page ? "you" : `another page, ${stopper.who}`;
+}
+
+/** The halt as one sentence. */
+export const haltSentence = ({ who, cause }) => [who && `stopped by ${who}`, cause].filter(Boolean).join(" · ");

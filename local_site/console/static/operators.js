@@ -1,0 +1,31 @@
+// Who operates: in words, and what can be done about it; pure.
+import { isAnothers } from "./condition.js";
+
+const LATE = ", but page and console hear each other too late: what you hold does not count";
+
+/**
+ * Who operates, for the line below the buttons. It is empty on the page that has the controls of this console, but no robot to move by
+ * them: the bar says who has it, and the next step what to do.
+ */
+export function seatWords(seat, robot, { operates, operator }) {
+  const isOurs = robot === null || (robot.lease !== null && !isAnothers(robot.lease, operator));
+  if (operates) return isOurs ? `you operate (page ${seat.page})${seat.late ? LATE : ""}` : "";
+  return `you watch; ${seat.who ?? "nobody"} ${isOurs ? "operates" : "has the controls here"}`;
+}
+
+/** What this operator can do about the lease: take it, ask its holder for it, or hand it to the operator who asks; or nothing. */
+export function leaseAct(lease, operator) {
+  if (lease === null) return { action: "take", words: "Take the robot" };
+  const asker = lease.asked_by;
+  if (lease.ours) {
+    return asker === null ? null : { action: "give", to: { name: asker.name, session: asker.session }, words: `Hand over to ${asker.words}` };
+  }
+  const isAsked = asker?.name === operator;
+  return { action: "take", isAsked, words: isAsked ? "Ask again" : `Ask ${lease.words} for it` };
+}
+
+/** Who holds the lease, and who asks for it. */
+export function leaseWords(robot) {
+  if (robot === null) return "unknown";
+  return robot.lease === null ? "nobody holds it" : `${robot.lease.words}${robot.lease.asked_by ? `, asked by ${robot.lease.asked_by.words}` : ""}`;
+}
