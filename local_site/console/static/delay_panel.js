@@ -16,9 +16,10 @@ export class DelayPanel {
   }
 
   /** The situation's part of it, and the tools that the marks show. */
-  show({ clock: { round_trip_ms: roundTripMs }, delay, settings }, tools) {
-    put(element("round-trip"), roundTripMs === null ? UNKNOWN : `${roundTripMs.toFixed(0)} ms`);
-    put(element("loop"), delay.loop_ms === null ? UNKNOWN : `${delay.loop_ms.toFixed(0)} ms`);
+  show({ robot, clock: { round_trip_ms: roundTripMs }, delay, settings }, tools) {
+    const answers = robot !== null && !robot.silent;
+    put(element("round-trip"), answers && roundTripMs !== null ? `${roundTripMs.toFixed(0)} ms` : UNKNOWN);
+    put(element("loop"), answers && delay.loop_ms !== null ? `${delay.loop_ms.toFixed(0)} ms` : UNKNOWN);
     this.#suggested = delay.suggested_scale;
     const isLess = settings !== null && delay.suggested_scale < settings.scale;
     mark(element("suggestion"), "data-offered", isLess);

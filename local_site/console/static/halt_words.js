@@ -1,6 +1,7 @@
 // Who has stopped the arm, and what has failed, as this page's operator says it, from the remote site's sentence; pure.
 const TAIL = "; reset it, then engage"; // the next step says it, with who may and by which button
 const EXIT_CODE = / \(exit code -?\d+\)/; // for whoever reads the log; to an operator it says nothing
+const CODE = /^[a-z_]+(?: \([^)]*\))?: /; // of the fault, with the robot's own: for the log, too
 const STOPPED_BY = /^stopped by (.+?)(?:; (.*))?$/s;
 
 /**
@@ -10,10 +11,10 @@ const STOPPED_BY = /^stopped by (.+?)(?:; (.*))?$/s;
 export function haltOf(reason, { page, operator }, stopper) {
   const said = (reason.endsWith(TAIL) ? reason.slice(0, -TAIL.length) : reason).replace(EXIT_CODE, "");
   const found = STOPPED_BY.exec(said);
-  if (found === null) return { who: "", cause: said };
+  if (found === null) return { who: "", cause: said.replace(CODE, "") };
   const named = (name) => (name === operator ? here(name, page, stopper) : name);
   const who = found[1].split(/(, | and )/).map(named).join("");
-  return { who, cause: found[2] ?? "" };
+  return { who, cause: (found[2] ?? "").replace(CODE, "") };
 }
 
 function here(name, page, stopper) {

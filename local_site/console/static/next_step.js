@@ -4,13 +4,13 @@ import { EMERGENCY } from "./emergency.js";
 
 const IF_IT_MOVES = `If the arm moves, ${EMERGENCY}.`;
 const CLUTCH = {
-  clutched: "Move your hand to where it has room, then let go of the clutch.",
-  clutch_unseen: "Nobody saw the clutch let go: press it again, let go.",
+  clutched: "Move your hand to where it has room, then let go of C.",
+  clutch_unseen: "Nobody saw the clutch let go: press C again, let go.",
   clutch_settling: "Keep your hand still: the arm follows in a moment.",
 };
 const BEFORE_CLUTCH = {
-  clutched: "Let go of the clutch first.",
-  clutch_unseen: "Nobody saw the clutch let go: press it, let go, engage.",
+  clutched: "Let go of C first.",
+  clutch_unseen: "Nobody saw the clutch let go: press C, let go, engage.",
   clutch_settling: "Keep your hand still.",
 };
 const OF_THE_HAND = ["lost", "initialising", "no_wrist", "uncertain", "no_covariance", "jump", "jumps"];

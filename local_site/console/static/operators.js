@@ -5,11 +5,11 @@ const LATE = ", but page and console hear each other too late: what you hold doe
 
 /**
  * Who operates, for the line below the buttons. It is empty on the page that has the controls of this console, but no robot to move by
- * them: the bar says who has it, and the next step what to do.
+ * them, or none that answers: the bar says who has it, and the next step what to do.
  */
 export function seatWords(seat, robot, { operates, operator }) {
   const isOurs = robot === null || (robot.lease !== null && !isAnothers(robot.lease, operator));
-  if (operates) return isOurs ? `you operate (page ${seat.page})${seat.late ? LATE : ""}` : "";
+  if (operates) return isOurs && !robot?.silent ? `you operate (page ${seat.page})${seat.late ? LATE : ""}` : "";
   return `you watch; ${seat.who ?? "nobody"} ${isOurs ? "operates" : "has the controls here"}`;
 }
 

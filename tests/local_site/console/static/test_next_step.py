@@ -83,6 +83,13 @@ def test_an_exit_code_is_for_the_log() -> None:
     assert shown.sentence == died.replace(" (exit code -9)", "")
 
 
+@pytest.mark.parametrize("code", ["process", "not_following", "robot (E17)"])
+def test_the_code_of_a_fault_is_for_the_log(code: str) -> None:
+    shown = said(halted(stopped("berta", cause=f"{code}: {ENDED}"), SessionState.FAULT, "fault"))
+    assert shown.sentence == f"stopped by berta · {ENDED}"
+    assert said(halted(stopped(cause=f"{code}: {ENDED}"), SessionState.FAULT, "fault")).sentence == ENDED
+
+
 def test_a_long_cause_leaves_room_for_what_to_do() -> None:
     shown = said(halted(stopped(cause="x" * 400), SessionState.FAULT, "fault"))
     assert len(shown.step) < 220
@@ -152,6 +159,7 @@ def test_without_a_word_from_the_robots_side_the_stop_that_works_is_named_first(
     silent = said(FOLLOWS(), silent_ns=3 * NS_PER_S)
     assert silent.step.startswith(f"If the arm moves, {emergency}")
     assert "farhand remote" in silent.step
+    assert silent.seat == ""
     assert emergency in said(None).step
     ended = replace(FOLLOWS(), code="site_ended", reason="the remote site was asked to end")
     assert "start it again" in said(ended, silent_ns=3 * NS_PER_S).step
