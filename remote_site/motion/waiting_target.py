@@ -40,8 +40,8 @@ class WaitingTarget:
 
     Near a stretched elbow or a straight wrist joints have to be quicker than they can. Each by itself would then take
     the tool off its path by decimetres. So the target goes along the path of the hand's samples, no faster than all
-    joints can together, and slower while the tool is off it. Where more than LONGEST_S is left of the path, it becomes a
-    short cut.
+    joints can together, and slower while the tool is off it. Where more than LONGEST_S is left of the path, it becomes
+    a short cut.
     """
 
     def __init__(self, model: ArmModel, limits: JointLimits, dt: float) -> None:
