@@ -26,7 +26,7 @@ from remote_site.reasons import Code, Reason, reason
 
 WRIST_ZONE = 0.35  # rad of joint 5: nearer to straight, joint 4 is damped
 WRIST_RATE = 60.0  # 1/s: how fast joint 4 goes to its goal at the border of that zone
-ROLL_SPEED = 1.5  # of joint 4's own speed: how far its target runs ahead of it
+ROLL_SPEED = 0.8  # of joint 4's own speed, for its target: the joint must be quicker, or the tool leaves its place
 UNWIND = 0.5  # per rad: how much joint 4 in that zone prefers the goal nearer to its middle
 LOST_MOST = 0.8  # rad of orientation that joints 4 and 6 may lose at their limits
 SAMPLE_S = 1 / 30

@@ -14,7 +14,7 @@ from remote_site.motion.tool_shift import NOTHING, WRIST_ROLLS
 
 PLANNED, BENT = 0.6, 0.7  # of the joints' accelerations: to brake ahead with, and for the bends themselves
 SHORTEST_S = 1e-4  # nearer to each other, two solutions are one
-COUNTED = 0.2  # of the speed of joints that roll the wrist: so much is waited for
+COUNTED = 0.2  # of the speed of joints that roll the wrist, not of their acceleration: so much is waited for
 AVERAGED_NS, AVERAGED_S = 100 * NS_PER_MS, 0.03  # of the hand's way and of the path, at most, against noise;
 AVERAGED = 0.25  # or so much of the time that the path leads ahead, if that is longer
 SOONEST_NS = 4 * NS_PER_MS  # between two solutions, for the hand's own speed
@@ -49,7 +49,6 @@ class JointPath:
         self._model = model
         self._velocity, self._acceleration = limits.velocity.copy(), limits.acceleration.copy()
         self._velocity[WRIST_ROLLS] /= COUNTED
-        self._acceleration[WRIST_ROLLS] /= COUNTED
         self.knots: deque[Knot] = deque()
         self._newest: deque[tuple[Array, int]] = deque()
 

@@ -38,9 +38,10 @@ MOST_KNOTS = 300  # each costs every tick some 0.25 us
 class WaitingTarget:
     """Lets a target pass as it is while the joints can follow it, and could stop where a hand would stop.
 
-    Near a stretched elbow joints have to be quicker than they can. Each by itself would then take the tool off its path
-    by decimetres. So the target goes along the path of the hand's samples, no faster than all joints can together, and
-    slower while the tool is off it. Where more than LONGEST_S is left of the path, it becomes a short cut.
+    Near a stretched elbow or a straight wrist joints have to be quicker than they can. Each by itself would then take
+    the tool off its path by decimetres. So the target goes along the path of the hand's samples, no faster than all
+    joints can together, and slower while the tool is off it. Where more than LONGEST_S is left of the path, it becomes
+    a short cut.
     """
 
     def __init__(self, model: ArmModel, limits: JointLimits, dt: float) -> None:
@@ -184,9 +185,14 @@ class WaitingTarget:
         return math.sqrt(min(square + 2 * after.gain * max(after.s - self._s, 0.0), after.bend))
 
     def _must_wait(self, motion: JointMotion, target: JointMotion, sent: JointMotion, *, too_fast: bool) -> bool:
-        """Whether joints will take the tool off its way: where the elbow is bent, what they lag leads along it."""
+        """Whether joints will take the tool off its way: where the elbow is bent, what they lag leads along it.
+
+        Not so the wrist's: where it turns the tool, the other joints hold it in its place.
+        """
         if not too_fast and not self._left(motion, sent.q):
             return False
+        if self._tool.by_wrist_m(target.q, sent.q) > BEYOND_M:
+            return True
         quick = too_fast or self._tool.speed_m_s(target.q, target.dq) >= QUICK_M_S
         return self._stretch(sent, target) > (STRETCHED if quick else MORE_STRETCHED)
 

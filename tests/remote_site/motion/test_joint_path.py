@@ -8,7 +8,7 @@ import pytest
 
 from common.clock import NS_PER_MS
 from common.geometry import Array
-from remote_site.motion.joint_path import JointPath, on_the_curve
+from remote_site.motion.joint_path import PLANNED, JointPath, on_the_curve
 from tests.remote_site.motion.test_waiting_target import ELBOW, LIMITS, MODEL, START
 
 
@@ -42,6 +42,12 @@ def test_the_path_is_smooth_and_its_slope_and_bend_are_what_they_are_said_to_be(
 def test_the_sharper_a_bend_the_slower_it_is_taken() -> None:
     bends = [min(knot.bend for knot in bent(turn).knots) for turn in (0.1, 0.5, 1.5)]
     assert bends[0] > bends[1] > bends[2]
+
+
+@pytest.mark.parametrize("joint", range(6))
+def test_no_joint_is_planned_to_accelerate_harder_than_it_can(joint: int) -> None:
+    path = JointPath(MODEL, LIMITS)
+    assert path.gain(np.eye(6)[joint]) == pytest.approx(PLANNED * LIMITS.acceleration[joint])
 
 
 def test_a_hand_that_stands_adds_no_places_and_what_comes_after_counts_from_now() -> None:

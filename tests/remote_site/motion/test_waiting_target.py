@@ -91,6 +91,19 @@ def test_a_tool_beside_its_way_is_waited_for_where_it_is_quick_and_the_elbow_not
     assert waiting.waits is waits
 
 
+@pytest.mark.parametrize(
+    ("joint", "bend_deg", "waits"), [(3, -30, True), (3, -2, False), (4, -30, True), (2, -30, False)]
+)
+def test_a_wrist_that_lags_and_takes_the_tool_out_of_its_place_is_waited_for_though_the_elbow_is_bent(
+    joint: int, bend_deg: float, waits: bool
+) -> None:
+    posture = np.radians([0.0, 10.0, -95.0, 0.0, bend_deg, 0.0])
+    waiting = WaitingTarget(MODEL, LIMITS, DT)
+    lag_rad = 0.1 if joint > 2 else 0.02
+    waiting.follow(0, JointMotion.at_rest(posture), JointMotion.at_rest(posture - lag_rad * np.eye(6)[joint]), 1.0)
+    assert waiting.waits is waits
+
+
 def test_what_the_hand_goes_back_and_forth_is_gone_after_it_and_not_cut_short(elbow: Way) -> None:
     elbow.go(0.0, 0.0, ticks=8)
     elbow.go(0.0, 4.0, ticks=40)
