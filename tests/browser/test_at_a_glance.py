@@ -255,7 +255,7 @@ def test_the_first_cause_stays_in_sight_until_it_is_answered(told: Told) -> None
     )
     told.until("the fault", lambda: told.page.state() == "fault")
     told.page.wait_for("the silence after it", lambda: "has been silent" in told.page.words("#reason"))
-    assert told.page.words("#round-trip") == told.page.words("#loop") == "–"
+    told.page.wait_for("no round trip", lambda: told.page.words("#round-trip") == told.page.words("#loop") == "–")
     assert told.page.state() == "fault"
     assert told.page.words("#reason").startswith("the robot's driver has ended")
     told.page.wait_for("the event", lambda: any("fallen silent" in event for event in listed(told)))

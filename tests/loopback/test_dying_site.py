@@ -80,8 +80,12 @@ def test_what_was_measured_is_printed_where_a_site_dies_after_the_arm_followed(t
     done = loopback(tmp_path, "driver.name=mortal", f"engagement.automatic_accepted={ACCEPTANCE}")
     assert done.returncode == 1
     assert "exposure to joint command, ms" in done.stdout
-    last = done.stderr.splitlines()[-1]
-    assert last.startswith("farhand: broken: the remote process ended (exit code 1): remote: process driver died")
+    died = "the remote process ended (exit code 1): remote: process driver died"
+    *_, before, last = done.stderr.splitlines()
+    if last.startswith("this machine was too slow"):  # as when another test runs beside this one
+        assert before.startswith(f"farhand: {died}")
+    else:
+        assert last.startswith(f"farhand: broken: {died}")
 
 
 def test_a_urdf_that_cannot_be_read_is_named_with_its_reason(tmp_path: Path) -> None:
