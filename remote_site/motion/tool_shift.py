@@ -6,32 +6,35 @@ from common.geometry import Array
 from remote_site.kinematics.model import ArmModel
 
 WRIST_ROLLS = [3, 5]  # joints 4 and 6 swing far where the wrist is straight, and hardly move the tool there
-WRIST = slice(3, 6)
 NOTHING = 1e-9
 
 
 class ToolShift:
-    """The way of the tool's position with the joints of an arm with a spherical wrist."""
+    """The way of the tool's position with the joints of an arm with a spherical wrist.
+
+    The noise of samples turns the wrist most: joints 4 and 6 count for how far the tool is off, not for its way there.
+    """
 
     def __init__(self, model: ArmModel) -> None:
         self._model = model
 
     def lever(self, q: Array) -> Array:
-        """How far each joint moves the tool (3, n) in m/rad at `q` (n,) rad."""
+        """How far each joint but 4 and 6 moves the tool (3, n) in m/rad at `q` (n,) rad."""
         lever: Array = self._model.jacobian(q)[:3]
+        lever[:, WRIST_ROLLS] = 0.0
         return lever
 
     def speed_m_s(self, q: Array, dq: Array) -> float:
         """How fast the tool moves when the joints are at `q` and move with `dq`."""
-        return math.hypot(*(self.lever(q) @ dq).tolist())
+        return math.hypot(*(self._model.jacobian(q)[:3] @ dq).tolist())
 
     def between_m(self, q: Array, at: Array) -> float:
         """How far the tool is from where it would be at `q`, for joints near there at `at`."""
-        return math.hypot(*(self.lever(at) @ (q - at)).tolist())
+        return math.hypot(*(self._model.jacobian(at)[:3] @ (q - at)).tolist())
 
-    def by_wrist_m(self, q: Array, at: Array) -> float:
-        """How far joints 4 to 6 alone move the tool on their way to `q`, for joints near there at `at`."""
-        return math.hypot(*(self.lever(at)[:, WRIST] @ (q - at)[WRIST]).tolist())
+    def by_rolls_m(self, q: Array, at: Array) -> float:
+        """How far joints 4 and 6 alone move the tool on their way to `q`, for joints near there at `at`."""
+        return math.hypot(*(self._model.jacobian(at)[:3, WRIST_ROLLS] @ (q - at)[WRIST_ROLLS]).tolist())
 
     def stretch(self, q: Array) -> float:
         """How many times faster than the tool, at most, one joint alone moves it while the others take it back.

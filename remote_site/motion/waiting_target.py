@@ -187,12 +187,12 @@ class WaitingTarget:
     def _must_wait(self, motion: JointMotion, target: JointMotion, sent: JointMotion, *, too_fast: bool) -> bool:
         """Whether joints will take the tool off its way: where the elbow is bent, what they lag leads along it.
 
-        Not so the wrist's: where it turns the tool, the other joints hold it in its place.
+        Not so what joints 4 and 6 lag: the others make up for where these should be.
         """
+        if self._tool.by_rolls_m(target.q, sent.q) > BEYOND_M:
+            return True
         if not too_fast and not self._left(motion, sent.q):
             return False
-        if self._tool.by_wrist_m(target.q, sent.q) > BEYOND_M:
-            return True
         quick = too_fast or self._tool.speed_m_s(target.q, target.dq) >= QUICK_M_S
         return self._stretch(sent, target) > (STRETCHED if quick else MORE_STRETCHED)
 
