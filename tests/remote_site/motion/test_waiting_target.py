@@ -17,7 +17,7 @@ DT = TICK_NS / 1e9
 MODEL, LIMITS = arm()
 START = RemoteConfig().robot.start
 BENT = START + np.radians([0.0, 0.0, -45.0, 0.0, 0.0, 0.0])
-SHOULDER, ELBOW = np.eye(6)[[1, 2]]
+SHOULDER, ELBOW, WRIST_ROLL = np.eye(6)[[1, 2, 3]]
 SAMPLE_TICKS = 8
 
 
