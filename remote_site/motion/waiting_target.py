@@ -189,7 +189,7 @@ class WaitingTarget:
 
         Not so what joints 4 and 6 lag: the others make up for where these should be.
         """
-        if self._tool.by_rolls_m(target.q, sent.q) > BEYOND_M:
+        if self._tool.by_rolls_m(target.q, sent.q) > BEYOND_M and self._tool.between_m(target.q, sent.q) > FAR_M:
             return True
         if not too_fast and not self._left(motion, sent.q):
             return False
