@@ -1,6 +1,5 @@
 """What is seen in every state: STOP, which never lies on the bar's own colour, and what the arm does, as a shape."""
 
-from collections.abc import Iterator
 from functools import partial
 
 import cv2
@@ -11,7 +10,7 @@ from bench.page import scene
 from bench.page.screenshots import STATES
 from common.geometry import Array
 from common.messages.robot import SessionState
-from tests.browser.told import Told, opened_told
+from tests.browser.told import Told
 
 TONES = {"engaged": "engaged", "limited": "holding", "ready": "idle", "stopped": "fault", "another operates": "other"}
 BESIDE_PX = 3  # from the button's edge
@@ -19,20 +18,6 @@ SHAPE = """() => {
   const { content, clipPath } = getComputedStyle(document.getElementById("state-word"), "::before");
   return [document.getElementById("state").dataset.state, content, clipPath];
 }"""
-
-
-@pytest.fixture(scope="module")
-def told_here(browser: object) -> Iterator[Told]:
-    """A page of its own."""
-    with opened_told(browser) as told:
-        yield told
-
-
-@pytest.fixture
-def told(told_here: Told) -> Told:
-    told_here.reset()
-    told_here.describe(held=False)
-    return told_here
 
 
 def luminance(colour: Array) -> float:

@@ -103,6 +103,17 @@ def test_a_wrist_whose_roll_lags_and_takes_the_tool_out_of_its_place_is_waited_f
     assert waiting.waits is waits
 
 
+def test_a_roll_that_lags_while_the_tool_is_in_its_place_is_not_waited_for() -> None:
+    """As beside an obstacle, where such waits began and ended in every tick."""
+    posture = np.radians([0.0, 10.0, -95.0, 0.0, -30.0, 0.0])
+    roll = 0.1 * np.eye(6)[3]
+    lever = MODEL.jacobian(posture - roll)[:3]
+    roll[:3] = -np.linalg.solve(lever[:, :3], lever @ roll)
+    waiting = WaitingTarget(MODEL, LIMITS, DT)
+    waiting.follow(0, JointMotion.at_rest(posture), JointMotion.at_rest(posture - roll), 1.0)
+    assert not waiting.waits
+
+
 def test_what_the_hand_goes_back_and_forth_is_gone_after_it_and_not_cut_short(elbow: Way) -> None:
     elbow.go(0.0, 0.0, ticks=8)
     elbow.go(0.0, 4.0, ticks=40)
