@@ -21,6 +21,7 @@ from farhand.arm_import.writing.meshes import gather_meshes
 from farhand.arm_import.writing.summary import Written, changes, summary
 from farhand.arm_import.writing.toml import toml_text
 from farhand.arm_import.writing.urdf import urdf_text
+from farhand.deployment.schemas import add_schema, schema_line
 from farhand.terminal import ShowProgress
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.model import ArmModel
@@ -55,6 +56,7 @@ def import_arm(request: ImportRequest, show: ShowProgress) -> list[str]:
     contents = _contents(found, source, places)
     _check(contents, places)
     places.write(contents)
+    add_schema(RemoteConfig, places.toml)
     sizes = [len(content) for name, content in contents.items() if name.startswith(f"{places.meshes.name}/")]
     written = Written(str(places.toml), str(places.urdf), str(places.meshes), len(sizes), sum(sizes))
     return summary(found, source, written)
@@ -69,7 +71,7 @@ def _contents(found: Design, source: str, places: Places) -> dict[str, bytes]:
     beside = [f"Its meshes are in {places.meshes.name}, beside this file: copy them with it."] if meshes else []
     urdf = urdf_text(robot, [*lines, "", *beside]).encode()
     keys = "Every key that there is: farhand config show remote"
-    toml = toml_text(found, places.urdf.name, [*lines, "", keys]).encode()
+    toml = f"{schema_line(RemoteConfig)}\n{toml_text(found, places.urdf.name, [*lines, '', keys])}".encode()
     name = places.urdf.name
     return {**meshes, name: with_manifest(urdf, name, {places.toml.name: toml, **meshes}), places.toml.name: toml}
 

@@ -4,12 +4,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 from common.errors import ConfigError
-from farhand.deployment.schemas import schema_files
+from farhand.deployment.schemas import SCHEMAS, schema_files
 from farhand.outputs import make_folder, write_result
 
 HERE = Path(__file__).parent
 NAMES = tuple(sorted(path.stem for path in (HERE / "sites").glob("*.toml")))
-SCHEMAS = "schemas"  # the folder beside a configuration, as its first line names it
 FOR_UNITS = "the units run /opt/farhand/.venv/bin/farhand with /etc/farhand/NAME.toml: edit ExecStart for other folders"
 
 

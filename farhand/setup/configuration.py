@@ -10,7 +10,9 @@ import msgspec
 from common.cameras.settings import given
 from common.errors import ConfigError
 from common.text import escaped, toml_string
+from farhand.deployment.schemas import schema_line
 from farhand.setup.notes import SetupAnswers
+from local_site.config import LocalConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.config import Method
 
@@ -23,6 +25,7 @@ OFFERED: Mapping[str, str] = {
 NEEDS_DARK = ("silhouette",)
 
 HEAD = """\
+{schema}
 # The operator's side with two cameras, written by farhand setup. Every key that there is: farhand config show local
 # Start it with: farhand local --config {path}
 # A remote site on another host: [links] remote = "tls/HOST:PORT", see docs/security.md
@@ -39,7 +42,7 @@ def configuration(answers: SetupAnswers, rig: Path, path: Path) -> str:
     if answers.left is None or answers.right is None or answers.method is None:
         raise ConfigError("cameras or tracker are not chosen yet; start farhand setup again")
     lines = [
-        HEAD.format(path=escaped(str(path))),
+        HEAD.format(schema=schema_line(LocalConfig), path=escaped(str(path))),
         "[operator]",
         f"left = {toml_string(answers.left)} # as the cameras see it",
         f"right = {toml_string(answers.right)}",

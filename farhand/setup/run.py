@@ -13,6 +13,7 @@ from common.cameras.settings import CameraSettings, given
 from common.cameras.shown_source import shown_source
 from common.config import load_config
 from common.errors import CameraError, InterruptionError, ModelError
+from farhand.deployment.schemas import add_schema
 from farhand.doctor.findings import Severity, as_text, worst
 from farhand.outputs import make_folder, write_result
 from farhand.setup.board_page import BOARD, PAPERS, RULER_MM, board_page
@@ -127,6 +128,7 @@ def _write_configuration(folder: SetupFolder, person: SetupPerson) -> None:
             return
         folder.put_configuration_aside()
     folder.configure(text)
+    add_schema(LocalConfig, path)
     person.tell(f"the configuration is in {path}")
 
 

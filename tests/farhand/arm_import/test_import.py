@@ -13,6 +13,7 @@ from common.errors import ConfigError, ModelError
 from farhand.arm_import.description.packages import search_path
 from farhand.arm_import.run import ImportRequest, import_arm
 from farhand.cli import app
+from farhand.deployment.schemas import schema_of
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.runtime.checks import find_mistakes, find_unguarded
@@ -37,6 +38,11 @@ def config(imported, tmp_path, monkeypatch):
 
 def test_the_site_starts_with_it_from_any_folder(config):
     assert find_mistakes(config) == []
+
+
+def test_editors_know_its_keys(imported):
+    named = imported[0].read_text().partition("\n")[0].removeprefix("#:schema ")
+    assert json.loads((imported[0].parent / named).read_text()) == json.loads(json.dumps(schema_of(RemoteConfig)))
 
 
 def test_only_the_arm_moves_and_the_rest_is_said_with_its_reason(config, imported):

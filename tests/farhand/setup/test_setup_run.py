@@ -1,6 +1,7 @@
 """A whole setup: from cameras to a configuration that loads, left in the middle and taken up again."""
 
 import dataclasses
+import json
 import os
 from contextlib import contextmanager
 from functools import lru_cache
@@ -12,6 +13,7 @@ from msgspec.structs import replace
 from common.cameras.settings import CameraSettings
 from common.config import load_config
 from common.errors import ConfigError, InterruptionError
+from farhand.deployment.schemas import schema_of
 from farhand.setup.conversation import TerminalPerson
 from farhand.setup.notes import SetupAnswers, SetupFolder
 from farhand.setup.run import Tools, set_up
@@ -68,6 +70,8 @@ def test_cameras_become_a_calibrated_configuration(tmp_path):
     assert person.heard("cannot open fake://broken")
     assert person.heard("that is enough")
     assert person.told[-1] == f"start the local site with: farhand local --config {tmp_path / 'local.toml'}"
+    named = (tmp_path / "local.toml").read_text().partition("\n")[0].removeprefix("#:schema ")
+    assert json.loads((tmp_path / named).read_text()) == json.loads(json.dumps(schema_of(LocalConfig)))
 
 
 def test_a_setup_that_was_left_keeps_its_pairs_and_goes_on(tmp_path):
