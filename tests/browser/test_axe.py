@@ -7,11 +7,13 @@ import pytest
 
 from bench.page.bare_console import BareConsole
 from bench.page.screenshots import STATES
-from tests.browser.told import Told
+from tests.browser.many_views import FULL, show_views
+from tests.browser.told import Told, opened_told
 
 AXE = "axe_playwright_python"
 RUN = "async () => (await axe.run()).violations.map((v) => [v.id, v.help, v.nodes.map((n) => n.html.slice(0, 120))])"
 SCREENS = {"dark": (1280, 720), "light": (820, 1180)}
+SIZES = ((390, 844), (820, 1180), (1280, 720), (1920, 1080), (2560, 1440))
 FOLDS = ("#settings", "#facts", "#latency-room", "#events-room", "#keys")
 WORDS = {"ready": "disengaged", "limited": "engaged", "another operates": "berta operates"}
 
@@ -68,3 +70,15 @@ def test_axe_would_complain_of_a_button_without_a_name(told: Told, axe: str) -> 
     found = violations(told, axe)
     page.evaluate("() => document.getElementById('side').lastElementChild.remove()")
     assert "button-name" in [name for name, *_ in found]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("count", range(1, 9))
+def test_axe_finds_nothing_with_any_number_of_views_at_any_width(browser: object, axe: str, count: int) -> None:
+    with opened_told(browser) as told:
+        show_views(told, [FULL] * count)
+        for theme in ("dark", "light"):
+            told.page.wear(theme)
+            for width, height in SIZES:
+                told.page.page.set_viewport_size({"width": width, "height": height})
+                assert violations(told, axe) == [], (width, theme)

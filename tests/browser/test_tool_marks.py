@@ -172,7 +172,7 @@ def test_the_scale_suggested_for_the_delay_is_taken_by_one_press_and_never_by_it
         told.page.close()
 
 
-def test_at_a_limit_an_arrow_with_its_name_shows_where_the_hand_pushes(told: Told, late: LateRemote) -> None:
+def test_at_a_limit_an_arrow_shows_where_the_hand_gets_back(told: Told, late: LateRemote) -> None:
     told.until("both symbols", lambda: shows(told, late, "side"))
     told.state = lambda: replace(late.state(), code="outside_box", reason="the hand asks for 50 mm beyond")
     told.until("the limit", lambda: told.page.words("#state-second") == "at the workspace's edge")

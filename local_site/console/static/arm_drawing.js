@@ -6,7 +6,7 @@ import { drawFixture, seenFaces } from "./fixtures.js";
 import { nearLimits } from "./joint_limits.js";
 import { frames, fromPose, origin } from "./kinematics.js";
 import { drawLimit } from "./limit_arcs.js";
-import { drawPush } from "./limit_arrow.js";
+import { drawBack } from "./back_arrow.js";
 import { Pen } from "./pen.js";
 import { PostureOutline } from "./posture_outline.js";
 import { drawPlumb, drawShadows, topBelow } from "./shadows.js";
@@ -20,8 +20,8 @@ const FADED = 0.4; // what is no longer so
 export class ArmDrawing {
   #outline = new PostureOutline();
 
-  /** Draw a cell, and its robot unless that is null, as seen by `sight`; `push` is its limit's name, and where the hand wants the tool. */
-  draw(context, sight, cell, robot, push, tone) {
+  /** Draw a cell, and its robot unless that is null, as seen by `sight`; `limited` is the limit's name, and where the hand wants the tool. */
+  draw(context, sight, cell, robot, limited, tone) {
     const pen = new Pen(context, sight);
     if (cell.shapes.fixtures.length === 0) drawGround(pen, tone.edge);
     context.globalAlpha = THIN;
@@ -42,7 +42,7 @@ export class ArmDrawing {
       drawLimit(pen, cell, limit, found, limit.at ? tone.fault : tone.holding, tone.panel);
     }
     if (robot.target !== null) drawTarget(pen, fromPose(robot.target), tone);
-    if (push.name !== null) drawPush(context, sight.project, tool, push.wanted, push.name);
+    if (limited.name !== null) drawBack(context, sight.project, tool, limited.wanted, limited.name);
   }
 }
 

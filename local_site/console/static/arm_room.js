@@ -17,7 +17,7 @@ export class ArmRoom {
   #drawing = new ArmDrawing();
   #cell = null;
   #robot = null;
-  #push = { name: null, wanted: null };
+  #limit = { name: null, wanted: null };
   #asked = null;
   #describedMs = -Infinity;
   #last = new LastDrawn(STEP);
@@ -46,18 +46,18 @@ export class ArmRoom {
     if (document.hidden) return;
     const robot = this.#shown;
     if (robot !== null && performance.now() - this.#describedMs >= READ_MS) this.#describe(robot);
-    const push = this.#push.name === null ? null : this.#push;
-    if (this.#last.differs(robot === null ? null : seenOf(robot), push)) this.#draw();
+    const limit = this.#limit.name === null ? null : this.#limit;
+    if (this.#last.differs(robot === null ? null : seenOf(robot), limit)) this.#draw();
   }
 
   /** The name of the limit that keeps the arm from following, null while none does. */
   hinder(name) {
-    this.#push = { ...this.#push, name };
+    this.#limit = { ...this.#limit, name };
   }
 
   /** Where the hand wants the tool (m), null where that is not known. */
   want(wanted) {
-    this.#push = { ...this.#push, wanted };
+    this.#limit = { ...this.#limit, wanted };
   }
 
   /** The robot, unless its state is still of another arm than the one described last. */
@@ -85,7 +85,7 @@ export class ArmRoom {
     const { width, height } = sized(this.#canvas, this.#context);
     this.#context.clearRect(0, 0, width, height);
     if (this.#cell === null || width === 0) return; // not shown until an arm is known
-    this.#drawing.draw(this.#context, this.#orbit.sight(width, height), this.#cell, this.#shown, this.#push, tones(...TONES));
+    this.#drawing.draw(this.#context, this.#orbit.sight(width, height), this.#cell, this.#shown, this.#limit, tones(...TONES));
   }
 }
 

@@ -11,12 +11,14 @@ const LIVE = {
   none: (remote) => `nothing has come from the remote site${remote ? ` at ${remote}` : ""} yet`,
   noneWord: "no robot",
   silent: (age) => `the remote site has been silent for ${age}`,
+  unheard: "the arm may still move",
 };
 const RECORDED = {
   lost: "the program that replays does not answer",
   none: () => "no state is recorded up to here",
   noneWord: "nothing",
   silent: (age) => `no state is recorded for ${age}`,
+  unheard: "",
 };
 
 // A tool further than this from its target does not do what the hand does; at full speed it lags by less.
@@ -49,12 +51,12 @@ export function isAnothers(lease, operator) {
 
 function halted(name, { robot, stopper }, whose) {
   const halt = haltOf(robot.reason, whose, stopper);
-  return { name, tone: "fault", word: name, sentence: haltSentence(halt), halt };
+  return { name, tone: "fault", word: name, second: "the arm does not follow", sentence: haltSentence(halt), halt };
 }
 
 function silent(robot, said) {
   if (robot.code === "site_ended") return { name: "silent", tone: "fault", word: "ended", sentence: robot.reason };
-  return { name: "silent", tone: "fault", word: "silent", sentence: said.silent(ageWords(robot.heard_ms)) };
+  return { name: "silent", tone: "fault", word: "silent", second: said.unheard, sentence: said.silent(ageWords(robot.heard_ms)) };
 }
 
 function another(robot) {

@@ -13,6 +13,7 @@ const element = (id) => document.getElementById(id);
 export class Controls {
   #connection;
   #alert;
+  #held = true;
   #refusedIn = null;
   #page = null;
   #operator = "";
@@ -44,8 +45,8 @@ export class Controls {
     this.#enable();
   }
 
-  describe(cell) {
-    element("unheld").hidden = cell.held;
+  describe({ held }) {
+    this.#held = held;
   }
 
   hello({ page, operate, operator }) {
@@ -105,6 +106,7 @@ export class Controls {
     const words = seatWords(seat, robot, { operates: this.#operates, operator: this.#operator });
     put(element("seat"), words);
     mark(element("unheld"), "data-counts", this.#operates && words !== "");
+    element("unheld").hidden = this.#held || Boolean(robot?.code.startsWith("clutch")); // the clutch's key is held
     put(element("seat-button"), this.#operates ? "Leave controls" : "Take controls");
     element("seat-button").disabled = !this.#mayOperate;
   }

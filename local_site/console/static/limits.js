@@ -32,6 +32,9 @@ const WORDS = {
 /** Where an arm is that this limit holds back. */
 export const limitWords = (name) => WORDS[name] ?? "at a limit";
 
+/** Whether the hand gets back from a limit by moving back: only a place is left in a direction. */
+export const hasWayBack = (name) => ["workspace", "obstacle", "reach", "leash"].includes(name);
+
 /** The name of the limit that a state's code is of; null while the arm follows the hand. */
 export function limitOf(code) {
   return code === "ok" ? null : (LIMITS[code] ?? "limited");

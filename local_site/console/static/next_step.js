@@ -1,8 +1,10 @@
 // The one thing to do next, and what else is possible: for each button next, minor or absent; pure.
 // A button that has to wait keeps its place: one that comes and goes would be missed, or another be hit.
 import { EMERGENCY } from "./emergency.js";
+import { hasWayBack } from "./limits.js";
 
 const IF_IT_MOVES = `If the arm moves, ${EMERGENCY}.`;
+const UNHEARD = `STOP may not reach the robot: if the arm moves, ${EMERGENCY}.`;
 const CLUTCH = {
   clutched: "Move your hand to where it has room, then let go of C.",
   clutch_unseen: "Nobody saw the clutch let go: press C again, let go.",
@@ -38,8 +40,8 @@ export function stepOf(condition, situation, { operates, mayOperate, ...facts })
 }
 
 function silentWords({ code }) {
-  if (code === "site_ended") return `${IF_IT_MOVES} The robot's side was ended: to go on, start it again by farhand remote, on its host.`;
-  return `${IF_IT_MOVES} Then check the network, and farhand remote on the robot's host.`;
+  if (code === "site_ended") return `${UNHEARD} The robot's side was ended: to go on, start it again by farhand remote, on its host.`;
+  return `${UNHEARD} Then check the network, and farhand remote on the robot's host.`;
 }
 
 function watching({ halt }, seat, mayOperate) {
@@ -71,8 +73,8 @@ const isSilent = (hand) => hand === null || hand.silent;
 function reset(halt, { robot, hand }, operator) {
   const what = haltedWords(halt);
   if (robot.lease?.holder === operator) { // at whichever local site
-    const first = halt.cause ? "Have it put right at the robot" : "When it is safe to go on";
-    return { next: "reset", minor: [], words: `${what} ${first}, ${halt.cause ? "then " : ""}press Reset: that alone moves nothing.` };
+    const first = halt.cause ? "Ask somebody at the robot to put it right, then" : "When it is safe to go on,";
+    return { next: "reset", minor: [], words: `${what} ${first} press Reset: that alone moves nothing.` };
   }
   if (isSilent(hand)) return nothing(`${what} ${LOCAL_SILENT}`);
   const words = robot.lease === null ? "Take the robot, then reset it." : `Only ${robot.lease.words} can reset it: ask for the robot to do it yourself.`;
@@ -95,8 +97,8 @@ function askWords({ words }, act) {
 }
 
 function holdingWords({ code }) {
-  if (OF_THE_HAND.includes(code)) return "The arm waits: show your hand to the cameras and keep it calm. It goes on by itself.";
-  return "The arm waits: keep your hand calm. It goes on by itself.";
+  if (OF_THE_HAND.includes(code)) return "Show your hand to the cameras and keep it still: the arm then follows it again.";
+  return "Keep your hand still: the arm then follows it again.";
 }
 
 function followingWords({ name, limit }, held, back) {
@@ -106,11 +108,10 @@ function followingWords({ name, limit }, held, back) {
   return held ? "Keep it held: the arm follows your hand." : "Move your hand: the arm follows.";
 }
 
-/** Only a place pushes back from a direction. */
 function backWords(limit, back) {
   if (limit === "speed limit") return "Move your hand more slowly.";
-  if (!["workspace", "obstacle", "reach", "leash"].includes(limit)) return "Turn or move your hand back the way it came.";
-  const where = back || "back the way it came";
+  if (!hasWayBack(limit)) return "Turn or move your hand back the way it came.";
+  const where = back ? `back ${back}` : "back the way it came";
   return limit === "leash" ? `Wait for the arm, or move your hand ${where}.` : `Move your hand ${where}: the arm goes no further.`;
 }
 

@@ -1,6 +1,6 @@
 // The operator's buttons: the one that comes next is large, what else is possible small, the rest is not there.
 import { lostWords, stepOf } from "./next_step.js";
-import { WayBack } from "./push.js";
+import { WayBack } from "./way_back.js";
 import { mark, put } from "./words.js";
 
 const NAMES = ["seat-button", "lease-button", "hold", "engage", "disengage", "reset", "clutch", "origins"];

@@ -1,7 +1,7 @@
 // The tool over a calibrated camera's picture: a ring where it was measured, a cross where it has been sent.
 import { fromPose, inverse, origin } from "./kinematics.js";
 import { growth, letter } from "./letters.js";
-import { drawPush } from "./limit_arrow.js";
+import { drawBack } from "./back_arrow.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
 import { LastDrawn, sized, within } from "./surface.js";
 
@@ -27,21 +27,21 @@ export class ToolMarks {
 
   /**
    * `toolThen` is the measured tool when the picture was taken: a camera on the tool saw the cell from there. At a
-   * `limit`, by its name, an arrow shows where the hand pushes against it.
+   * `limit`, by its name, an arrow shows where the hand gets back from it.
    */
   draw({ measured, sent, wanted, limit }, toolThen) {
     const { width, height } = sized(this.#canvas, this.#context);
     const ring = markOf(measured, this.#camera, toolThen, width, height);
     const cross = markOf(sent, this.#camera, toolThen, width, height);
     const project = (position) => markOf({ ...measured, position }, this.#camera, toolThen, width, height)?.at ?? null;
-    const push = limit && measured && [limit, project(measured.position), wanted && project(wanted)];
-    if (!this.#last.differs(ring, cross, push, width, height, letter(), devicePixelRatio)) return;
+    const back = limit && measured && [limit, project(measured.position), wanted && project(wanted)];
+    if (!this.#last.differs(ring, cross, back, width, height, letter(), devicePixelRatio)) return;
     this.#erase();
     within(this.#context, this.#camera, { width, height }, () => {
       if (ring && cross) this.#stroke([[ring.at, cross.at]], TONES.between, 1);
       if (ring) this.#measured(ring);
       if (cross) this.#sent(cross);
-      if (ring && limit) drawPush(this.#context, project, measured.position, wanted, limit);
+      if (ring && limit) drawBack(this.#context, project, measured.position, wanted, limit);
     });
   }
 

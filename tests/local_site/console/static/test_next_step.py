@@ -98,6 +98,7 @@ def test_a_long_cause_leaves_room_for_what_to_do() -> None:
 
 def test_only_who_may_reset_is_told_to() -> None:
     stop = halted(stopped("anna"))
+    assert said(stop).second == "the arm does not follow"
     holder, nobody, watching = said(anothers(stop)), said(replace(stop, lease=None)), said(stop, page=2)
     assert holder.step == ("Stopped by anna. Only berta (site 63) can reset it: ask for the robot to do it yourself.")
     assert nobody.step == "Stopped by anna. Take the robot, then reset it."
@@ -126,14 +127,14 @@ def test_pictures_that_are_not_live_are_said_before_anything_else() -> None:
 def test_at_a_place_that_holds_the_arm_back_the_way_back_is_said_in_words(code: str) -> None:
     limited = replace(FOLLOWS(), code=code)
     assert said(limited, back="towards you and down").step == (
-        "Move your hand towards you and down: the arm goes no further."
+        "Move your hand back towards you and down: the arm goes no further."
     )
     assert said(limited).step == "Move your hand back the way it came: the arm goes no further."
 
 
 def test_a_hand_that_is_ahead_of_the_arm_may_wait_for_it() -> None:
     ahead = replace(FOLLOWS(), code="saturated")
-    assert said(ahead, back="down").step == "Wait for the arm, or move your hand down."
+    assert said(ahead, back="down").step == "Wait for the arm, or move your hand back down."
 
 
 def test_at_a_limit_one_figure_stands_in_one_place() -> None:
@@ -150,16 +151,16 @@ def test_a_limit_without_a_place_has_no_direction() -> None:
 
 def test_a_held_arm_asks_for_the_hand_only_where_that_is_the_cause() -> None:
     lost, late = (scene.state(SessionState.HOLDING, code, "why") for code in ("lost", "stale"))
-    assert "show your hand to the cameras" in said(lost).step
-    assert said(late).step == "The arm waits: keep your hand calm. It goes on by itself."
+    assert said(lost).step.startswith("Show your hand to the cameras")
+    assert said(late).step == "Keep your hand still: the arm then follows it again."
 
 
 def test_without_a_word_from_the_robots_side_the_stop_that_works_is_named_first() -> None:
     emergency = "press the red emergency stop at the robot"
     silent = said(FOLLOWS(), silent_ns=3 * NS_PER_S)
-    assert silent.step.startswith(f"If the arm moves, {emergency}")
+    assert silent.step.startswith(f"STOP may not reach the robot: if the arm moves, {emergency}")
     assert "farhand remote" in silent.step
-    assert silent.seat == ""
+    assert (silent.second, silent.seat) == ("the arm may still move", "")
     assert emergency in said(None).step
     ended = replace(FOLLOWS(), code="site_ended", reason="the remote site was asked to end")
     assert "start it again" in said(ended, silent_ns=3 * NS_PER_S).step

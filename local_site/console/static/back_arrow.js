@@ -1,19 +1,23 @@
-// An arrow from the tool to where the hand pushes against a limit, with the limit's name; on pictures and in the 3D view.
+// At a limit, an arrow from the tool to where the hand gets back from it, or the limit's name; on pictures and in the 3D view.
 import { letter } from "./letters.js";
-import { pushOf } from "./push.js";
+import { hasWayBack } from "./limits.js";
+import { wayBack } from "./way_back.js";
 
 const LONG_M = 0.09;
 const HEAD = 0.93; // in letters, as the widths below
 const TONES = [["#000000c0", 0.64], ["#f5b935", 0.36]];
 
-/** Draw the push against a limit; `project` gives the canvas's pixel of a point in the base's frame, null where it is not seen. */
-export function drawPush(context, project, tool, wanted, name) {
+/**
+ * Draw the way back from the limit of this name, as the next step has it in words: an arrow to the limit would be read as where to go.
+ * `project` gives the canvas's pixel of a point in the base's frame, null where it is not seen.
+ */
+export function drawBack(context, project, tool, wanted, name) {
   const at = project(tool);
   if (at === null) return;
-  const push = pushOf(tool, wanted);
-  const tip = push === null ? null : project(tool.map((v, axis) => v + LONG_M * push[axis]));
+  const back = hasWayBack(name) ? wayBack(tool, wanted) : null;
+  const tip = back === null ? null : project(tool.map((v, axis) => v + LONG_M * back[axis]));
   if (tip !== null) drawArrow(context, at, tip);
-  drawName(context, tip ?? at, name);
+  drawWords(context, tip ?? at, tip === null ? name : "back");
 }
 
 function drawArrow(context, from, to) {
@@ -34,12 +38,12 @@ function drawArrow(context, from, to) {
   }
 }
 
-function drawName(context, [x, y], name) {
+function drawWords(context, [x, y], words) {
   const em = letter();
   context.textAlign = "left";
   context.textBaseline = "alphabetic";
   context.font = `600 ${em}px "DejaVu Sans", system-ui, sans-serif`;
-  const { width } = context.measureText(name);
+  const { width } = context.measureText(words);
   const isRight = x + width + 1.7 * em > context.canvas.clientWidth;
   const left = Math.max(0.5 * em, isRight ? x - width - 1.4 * em : x + 0.85 * em);
   context.fillStyle = "#000000c0";
@@ -47,5 +51,5 @@ function drawName(context, [x, y], name) {
   context.roundRect(left - 0.35 * em, y - 1.57 * em, width + 0.7 * em, 1.43 * em, 4);
   context.fill();
   context.fillStyle = "#ffd479";
-  context.fillText(name, left, y - 0.5 * em);
+  context.fillText(words, left, y - 0.5 * em);
 }
