@@ -1,4 +1,4 @@
-"""The simulated operator's cameras: exposed on time, rendered in a process of their own, read like any camera."""
+"""The simulated operator's cameras: exposed on time, each rendered in a process of its own, read like any camera."""
 
 import math
 import mmap
@@ -66,18 +66,19 @@ class Exposure:
 
 @dataclass(frozen=True, slots=True)
 class ExposureSchedule:
-    """Absolute deadlines: the left camera every period from the start on, the right one of two `offset_ns` later."""
+    """Absolute deadlines of these cameras: the left one every period from the start on, the right one of two later."""
 
     start_ns: int
     period_ns: int
     offset_ns: int
-    cameras: int = 2
+    cameras: tuple[int, ...] = (0, 1)
 
     def after(self, t_ns: int) -> Exposure:
         """The first exposure later than this time."""
-        first = [self.start_ns + k * self.offset_ns for k in range(self.cameras)]
-        times = [start + max(0, (t_ns - start) // self.period_ns + 1) * self.period_ns for start in first]
-        return Exposure(min(times), tuple(k for k, time_ns in enumerate(times) if time_ns == min(times)))
+        first = {k: self.start_ns + k * self.offset_ns for k in self.cameras}
+        times = {k: start + max(0, (t_ns - start) // self.period_ns + 1) * self.period_ns for k, start in first.items()}
+        soonest = min(times.values())
+        return Exposure(soonest, tuple(k for k, time_ns in times.items() if time_ns == soonest))
 
 
 class ExposureLoop:
@@ -94,17 +95,16 @@ class ExposureLoop:
         self._last_ns = schedule.start_ns - 1
 
     def expose_next(self) -> None:
-        """Wait for the next exposure, stamp it, then render what was to be seen at that instant."""
+        """Wait for the next exposure, then render what was to be seen at that instant, however late we are awake."""
         oldest_ns = self._clock.now_ns() - self._schedule.period_ns
         exposure = self._schedule.after(max(self._last_ns, oldest_ns))
         self._last_ns = exposure.t_ns
         self._clock.sleep_until_ns(exposure.t_ns)
-        capture_ns = self._clock.now_ns()
-        t_s = self._beginning.elapsed_s(capture_ns)
-        filmed_s = (capture_ns - self._schedule.start_ns) / NS_PER_S
+        t_s = self._beginning.elapsed_s(exposure.t_ns)
+        filmed_s = (exposure.t_ns - self._schedule.start_ns) / NS_PER_S
         images = self._operator.render(t_s, exposure.cameras, filmed_s)
         for camera, image in zip(exposure.cameras, images, strict=True):
-            self._publish(camera, image, capture_ns)
+            self._publish(camera, image, exposure.t_ns)
 
 
 class SimulatedCameras:
@@ -112,7 +112,7 @@ class SimulatedCameras:
 
     The operator moves from then on, or waits for `begin`, as configured, or as another program leads its hand.
 
-    Create it in the main thread: the process that renders ends with the thread that began it.
+    Create it in the main thread: the processes that render end with the thread that began them.
     ConfigError when the motion is out of the arm's reach.
     """
 
@@ -125,16 +125,22 @@ class SimulatedCameras:
             self._beginning.set(self.start_ns)
         self.rig: Rig = filming_rig(config)
         period_ns, offset_ns = round(NS_PER_S / config.fps), round(config.phase_offset_ms * NS_PER_MS)
-        schedule = ExposureSchedule(self.start_ns, period_ns, offset_ns, len(self.rig.cameras))
         size = SIZE_PX if config.textured else (config.stereo.width_px, config.stereo.height_px)
         rings = [FrameRing(*size, in_colour=config.room.scene != "dark") for _ in self.rig.cameras]
-        loop = ExposureLoop(
-            operator, self._beginning, schedule, clock, lambda k, image, t_ns: rings[k].publish(image, t_ns)
-        )
-        self._renderer = _RenderingProcess(loop)
+
+        def publish(camera: int, image: Image, t_ns: int) -> None:
+            rings[camera].publish(image, t_ns)
+
+        def filming(*cameras: int) -> _RenderingProcess:
+            schedule = ExposureSchedule(self.start_ns, period_ns, offset_ns, cameras)
+            return _RenderingProcess(ExposureLoop(operator, self._beginning, schedule, clock, publish))
+
+        numbers = range(len(rings))
+        # All at once, as cameras film; but a hand that is led is heard by one process only.
+        self._renderers = [filming(*numbers)] * len(rings) if config.motion.led_by else [filming(k) for k in numbers]
         self.cameras = tuple(
-            SimulatedCamera(calibrated.name, ring, self._renderer)
-            for calibrated, ring in zip(self.rig.cameras, rings, strict=True)
+            SimulatedCamera(calibrated.name, ring, renderer)
+            for calibrated, ring, renderer in zip(self.rig.cameras, rings, self._renderers, strict=True)
         )
 
     def begin(self, t_ns: int) -> None:
@@ -142,8 +148,9 @@ class SimulatedCameras:
         self._beginning.set(t_ns)
 
     def close(self) -> None:
-        """End the process; reads that wait return None."""
-        self._renderer.close()
+        """End the processes; reads that wait return None."""
+        for renderer in self._renderers:
+            renderer.close()
 
 
 def _led_by(motion: MotionConfig, beginning: Beginning) -> LedHand | None:
@@ -237,7 +244,7 @@ class SimulatedCamera:
         return None
 
     def close(self) -> None:
-        """End the process that renders for all cameras."""
+        """End the process that renders for it."""
         self._renderer.close()
 
 
