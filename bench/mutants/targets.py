@@ -26,7 +26,9 @@ LINK = (*_tests(TESTS / "session", "hand_link", "age_limit", "hold", "longest_ho
 PAGE = (TESTS / "session" / "test_operator_page.py", TELEOP / "test_operator_settings.py")
 VALIDATION = _tests(TELEOP, "sample_validator", "certainty", "turn_certainty", "orientation_gate")
 TURNS = _tests(TELEOP, "followed_orientation", "turning_target")
-MAPPING = _tests(TELEOP, "mapping", "new_origins", "tool_target", "turning_target", "short_hold", "humanoid")
+MAPPING = _tests(
+    TELEOP, "mapping", "new_origins", "tool_target", "target_time", "turning_target", "short_hold", "humanoid"
+)
 PIPELINE = (
     *_tests(
         TELEOP,
@@ -83,7 +85,7 @@ TARGETS = (
     *_targets(REMOTE / "teleop", VALIDATION, sample_validator=14, certainty=5, turn_certainty=6, orientation_gate=4),
     *_targets(REMOTE / "teleop", TURNS, followed_orientation=10),
     *_targets(MAPPED, MAPPING, relative_mapping=8, rotation_mapping=4),
-    *_targets(REMOTE / "teleop", MAPPING, tool_target=12, hold_offset=6, mapping=4),
+    *_targets(REMOTE / "teleop", MAPPING, tool_target=12, target_time=6, hold_offset=6, mapping=4),
     *_targets(REMOTE / "teleop", PIPELINE, gripper_toggles=6, sample_receiver=3, pipeline=10),
     *_targets(
         REMOTE / "motion",

@@ -2,7 +2,7 @@
 
 import math
 
-from common.clock import NS_PER_MS, NS_PER_S
+from common.clock import NS_PER_S
 from common.geometry import Array, angle_between
 from common.messages.hand import OperatorSettings
 from common.messages.robot import Engagement, MappingReference, Pose
@@ -17,12 +17,11 @@ from remote_site.teleop.config import MappingConfig
 from remote_site.teleop.followed_orientation import FollowedOrientation
 from remote_site.teleop.hold_offset import MOST_M, MOST_RAD, HoldOffset
 from remote_site.teleop.mapping import make_mapping
+from remote_site.teleop.target_time import TargetTime
 
 LONGEST_STEP_S = 0.1  # between samples
-MOST_PREDICTED_NS = 100 * NS_PER_MS  # of the way from exposure to arrival: a longer prediction overshoots
 LED_SPARE = 0.1  # of the catch-up speed: what a led target leaves of it
 FELT_EXCESS_M = 0.002  # beyond the box: less is not told
-AGE_MEMORY = 1 / 30  # weight of the newest sample in the mean age
 
 
 class ToolTarget:
@@ -38,7 +37,7 @@ class ToolTarget:
         self._offset = HoldOffset()
         self._orientation = FollowedOrientation()
         self._followed: Accepted | None = None
-        self._mean_age_ns: float | None = None
+        self._time = TargetTime()
         self._settings = OperatorSettings()
         self._leash = Leash(control.leash_m, math.radians(control.leash_deg))
         self._workspace = box
@@ -157,20 +156,13 @@ class ToolTarget:
         self.base_T_tool, leashed = self._leash.hold(target, self.base_T_tool, sent, measured)
         self._followed = sample
         elbow = self._mapping.elbow(sample.sample.wrist, sample.elbow)
-        t_ns = self._holds_at_ns(sample, now_ns)
+        t_ns = self._time.of(sample, now_ns)
         return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, stretch, spare, boxed=boxed)
 
     def _boxed(self, wanted: Array) -> Reason | None:
         """Why the box holds a target at a position (3,) that the hand asks for."""
         excess_m = self._workspace.excess(wanted)
         return reason(Code.OUTSIDE_BOX, excess_mm=1e3 * excess_m) if excess_m > FELT_EXCESS_M else None
-
-    def _holds_at_ns(self, sample: Accepted, now_ns: int) -> int:
-        """The time for which the target is taken: the exposure, or later where a prediction from it would overshoot."""
-        age_ns = now_ns - sample.captured_ns
-        mean_ns = age_ns if self._mean_age_ns is None else self._mean_age_ns
-        self._mean_age_ns = mean_ns + AGE_MEMORY * (age_ns - mean_ns)
-        return sample.captured_ns + max(round(self._mean_age_ns) - MOST_PREDICTED_NS, 0)
 
     def _elapsed_s(self, sample: Accepted) -> float:
         """Between this sample and the one before it, by the sender's clock; a long gap counts as a short one."""
