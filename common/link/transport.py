@@ -1,7 +1,6 @@
 """Links between sites: Zenoh sessions with explicit endpoints, which publish, subscribe, ask and answer."""
 
 import json
-import os
 import threading
 import time
 from collections.abc import Callable, Collection, Sequence
@@ -22,6 +21,7 @@ from common.link.probe import VIEWERS_CURE, identity_refusal, refusal, speaks_tl
 from common.link.pubsub import Latest, Publisher
 from common.link.quic_doubt import QuicDoubt, blocked_sentence
 from common.link.roles import Role
+from common.link.runtime import prepare
 from common.link.send_queues import SendQueues
 from common.link.servers import REFUSAL, IdempotentServer, OnRefused, QuestionServer, Replied, Requested
 from common.link.session_settings import Mode, Served, SessionEndpoints, session_settings
@@ -39,7 +39,6 @@ PENDING_REQUESTS = 16
 CLOSE_PATIENCE_S = 0.4
 ROUTER_PATIENCE_S = 20.0
 ROUTER_POLL_S = 0.2
-STACK_BYTES = 32 << 20  # of Zenoh's threads: a neighbour's names are forgotten chunk by chunk, one call within another
 CONTROL = (ChannelSession.CONTROL,)
 PRIORITIES = {
     Priority.REAL_TIME: zenoh.Priority.REAL_TIME,
@@ -353,7 +352,7 @@ def _open_through_router(endpoints: SessionEndpoints, served: Served, should_sto
 
 def open_session(endpoints: SessionEndpoints, served: Served) -> zenoh.Session:
     """A session of Zenoh with our settings; TransportError when it cannot be opened."""
-    os.environ.setdefault("RUST_MIN_STACK", str(STACK_BYTES))  # read when Zenoh starts its first thread
+    prepare()
     config = zenoh.Config()
     for key, value in session_settings(endpoints, served).items():
         config.insert_json5(key, json.dumps(value))

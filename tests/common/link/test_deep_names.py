@@ -6,7 +6,8 @@ import time
 from pathlib import Path
 
 from common.link.channels import STATE
-from common.link.transport import STACK_BYTES, open_link
+from common.link.runtime import STACK_BYTES
+from common.link.transport import open_link
 from tests.common.link.secured_cell import CELL, ROBOT_STATE, dishonest, free_port, until
 
 CHUNKS = 8000
