@@ -1,4 +1,4 @@
-"""What only the environment of the process tells Zenoh: its threads, and how long one waits for a connection that closes.
+"""What Zenoh reads in the environment alone: its threads, and how long one waits for a connection that closes.
 
 Closing a TCP or TLS connection, Zenoh waits until the other side has acknowledged what was sent last, for ten seconds
 if need be. It does so in a thread of which there is one for all connections that are accepted, with all of QUIC, one
@@ -8,7 +8,7 @@ the hand samples for a round trip and more; one that vanished meanwhile would fo
 
 import os
 
-THREADS = 4  # of each kind: so many connections may be closing at once and hold up no other
+THREADS = 3  # of each kind: so many connections may be closing at once and hold up no other
 LINGER_S = 1
 STACK_BYTES = 32 << 20  # a neighbour's names are forgotten chunk by chunk, one call within another
 ENVIRONMENT = {
@@ -20,6 +20,6 @@ ENVIRONMENT = {
 
 
 def prepare() -> None:
-    """Set the environment, which Zenoh reads when the first session of the process is opened; what is set there stays."""
+    """Set the environment, which Zenoh reads when a process opens its first session; what is set there stays."""
     for name, value in ENVIRONMENT.items():
         os.environ.setdefault(name, value)

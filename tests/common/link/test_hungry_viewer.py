@@ -14,7 +14,7 @@ from common.process.children import Heartbeat
 from common.process.service import StopFlag
 from tests.common.link.secured_cell import ANNA, CELL, Cell, dishonest, free_port, reply_to, secured, until
 
-LITTLE_BYTES = 700 << 20  # so that the test does not take as much either
+LITTLE_BYTES = 1000 << 20  # so that the test does not take as much either; half of it are stacks of threads
 DEEP = "/".join("x" * 8000)  # Zenoh keeps every beginning of a key expression: 64 MB
 NICE = 0
 
