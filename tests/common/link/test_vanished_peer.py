@@ -61,7 +61,7 @@ def states_watched(link: Link, near: Link) -> Iterator[list[float]]:
 
 
 def play(pki: Path, answer: Connection) -> None:
-    """Close a far operator's connection, cut the link to it; tell the longest gap between the states of a near one, s."""
+    """Close a far connection and cut the link to it; tell the longest gap between the states of a near one, s."""
     hosts, port = LinkedHosts(), free_port()
     hosts.enter()
     operator, endpoint = secured(pki, f"operator.{ANNA}"), f"quic/localhost:{port}"
