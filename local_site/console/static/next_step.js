@@ -4,7 +4,7 @@ import { EMERGENCY } from "./emergency.js";
 import { hasWayBack } from "./limits.js";
 
 const IF_IT_MOVES = `If the arm moves, ${EMERGENCY}.`;
-const UNHEARD = `STOP may not reach the robot: if the arm moves, ${EMERGENCY}.`;
+const UNHEARD = "Press STOP; it may not reach the robot. Have somebody there press the red emergency stop if the arm moves.";
 const CLUTCH = {
   clutched: "Move your hand to where it has room, then let go of C.",
   clutch_unseen: "Nobody saw the clutch let go: press C again, let go.",
@@ -41,7 +41,7 @@ export function stepOf(condition, situation, { operates, mayOperate, ...facts })
 
 function silentWords({ code }) {
   if (code === "site_ended") return `${UNHEARD} The robot's side was ended: to go on, start it again by farhand remote, on its host.`;
-  return `${UNHEARD} Then check the network, and farhand remote on the robot's host.`;
+  return `${UNHEARD} Then check the network, and whether farhand remote runs on the robot's host.`;
 }
 
 function watching({ halt }, seat, mayOperate) {

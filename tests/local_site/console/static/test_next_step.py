@@ -158,7 +158,7 @@ def test_a_held_arm_asks_for_the_hand_only_where_that_is_the_cause() -> None:
 def test_without_a_word_from_the_robots_side_the_stop_that_works_is_named_first() -> None:
     emergency = "press the red emergency stop at the robot"
     silent = said(FOLLOWS(), silent_ns=3 * NS_PER_S)
-    assert silent.step.startswith(f"STOP may not reach the robot: if the arm moves, {emergency}")
+    assert silent.step.startswith("Press STOP; it may not reach the robot. Have somebody there press the red")
     assert "farhand remote" in silent.step
     assert (silent.second, silent.seat) == ("the arm may still move", "")
     assert emergency in said(None).step
