@@ -60,9 +60,9 @@ def _seen(panel: Panel, centre: Array, sight: Array) -> Image:
     distance = (panel.corner - centre) @ normal / np.where(np.abs(approach) < 1e-9, 1e-9, approach)
     from_corner = centre - panel.corner
     row, column = (
-        np.where(
-            distance > 0.0, panel.px_per_m * (from_corner @ axis + distance * (sight @ axis)) + 0.5, -10.0
-        ).astype(np.float32)
+        np.where(distance > 0.0, panel.px_per_m * (from_corner @ axis + distance * (sight @ axis)) + 0.5, -10.0).astype(
+            np.float32
+        )
         for axis in (panel.down, panel.across)
     )
     seen = cv2.remap(framed, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
