@@ -1,10 +1,11 @@
 """What concerns every test: their order when two run in parallel, no deadlines, handlers that end with the test."""
 
+import gc
 import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from functools import cache
 from pathlib import Path
 
@@ -64,6 +65,17 @@ class WholeSitesInRows(LoadScopeScheduling):  # type: ignore[misc]  # xdist has 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> WholeSitesInRows:
     """Distribute the tests when two run in parallel."""
     return WholeSitesInRows(config, log)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Look for no garbage among what is imported, neither meanwhile nor in any test."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
+from scipy.spatial.transform import Rotation
 
 from common.errors import ConfigError
-from common.geometry import Array, transform
+from common.geometry import Array, rotation_from_vector, transform
 from common.messages.robot import GripperCommand
 
 
@@ -32,7 +32,8 @@ class ToolTrajectory:
     orientations: Array
     marks: tuple[float, ...] = ()
     actions: tuple[GripperAction, ...] = ()
-    _turning: Slerp = field(init=False, repr=False)
+    _rotations: Array = field(init=False, repr=False)
+    _turns: Array = field(init=False, repr=False)  # (n - 1, 3) in rad, of the tool from each pose to the next
 
     def __post_init__(self) -> None:
         n = len(self.t_s)
@@ -42,7 +43,9 @@ class ToolTrajectory:
             raise ConfigError(f"a path of {n} times needs as many positions and orientations")
         if not (np.isfinite(self.positions).all() and np.isfinite(self.orientations).all()):
             raise ConfigError("a path of the tool has a number that is not finite")
-        object.__setattr__(self, "_turning", Slerp(self.t_s, Rotation.from_quat(self.orientations)))
+        poses = Rotation.from_quat(self.orientations)
+        object.__setattr__(self, "_rotations", poses.as_matrix())
+        object.__setattr__(self, "_turns", (poses[:-1].inv() * poses[1:]).as_rotvec())
 
     @property
     def duration_s(self) -> float:
@@ -52,5 +55,7 @@ class ToolTrajectory:
     def base_T_tool(self, t_s: float) -> Array:
         """The tool's pose (4 x 4) at a time, that of the nearest end outside."""
         at_s = min(max(t_s, 0.0), self.duration_s)
-        position = np.array([np.interp(at_s, self.t_s, axis) for axis in self.positions.T])
-        return transform(self._turning(at_s).as_matrix(), position)
+        k = max(int(np.searchsorted(self.t_s, at_s)) - 1, 0)
+        part = (at_s - self.t_s[k]) / (self.t_s[k + 1] - self.t_s[k])
+        position = self.positions[k] + part * (self.positions[k + 1] - self.positions[k])
+        return transform(self._rotations[k] @ rotation_from_vector(part * self._turns[k]), position)

@@ -112,15 +112,15 @@ class ArmModel:
         )
         return jacobian
 
-    def levers(self, inner: int, outer: int, corners: Array) -> list[float]:
-        """The most that a body can move per rad (or m) of each joint, m, as seen from the link of joint `inner`.
+    def levers(self, outer: int, corners: Array) -> list[float]:
+        """The most that a body can move per rad (or m) of each joint, m, 0 for those beyond it.
 
         `corners` (m x 3) span it in the frame of joint `outer` (from 1; 0 is the base). A rotation moves a point by no
         more than its distance from the axis: exact for the outermost joint, a sum of link lengths for the others.
         """
         links, _ = self.geometry()
         levers, about, beyond = [0.0] * len(links), corners, 0.0
-        for joint in range(outer, inner, -1):
+        for joint in range(outer, 0, -1):
             link = links[joint - 1]
             away = float(np.linalg.norm(np.cross(about, link.axis), axis=1).max())
             levers[joint - 1] = 1.0 if link.slides else away + beyond
@@ -159,7 +159,7 @@ class ArmModel:
     def tcp_levers(self) -> list[float]:
         """How far the tool centre point can move at most per rad (or m) of each joint, m."""
         tcp = self.pin_model.frames[self.tcp_frame].placement.translation
-        return self.levers(0, len(self.joint_names), tcp[None])
+        return self.levers(len(self.joint_names), tcp[None])
 
 
 def _read_joints(path: Path) -> dict[str, ElementTree.Element]:

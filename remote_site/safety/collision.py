@@ -70,7 +70,7 @@ class CollisionModel:
         self._shapes = shapes
         self.margin = margin_m
         self._distances = shapes.createData()
-        levers = [pair_levers(model, shapes, pair) for pair in shapes.collisionPairs]
+        levers = pair_levers(model, shapes)
         self.levers: Array = np.array(levers).reshape(len(levers), -1)
         # of each pair: the joints where it was measured last, and what it was there
         self._at = np.full((len(levers), len(model.joint_names)), NOWHERE)

@@ -66,15 +66,26 @@ def links_without_shape(model: pin.Model, shapes: pin.GeometryModel) -> list[str
     return [next(str(link.name) for link in links if link.parentJoint == joint) for joint in bare]
 
 
-def pair_levers(model: ArmModel, shapes: pin.GeometryModel, pair: pin.CollisionPair) -> list[float]:
-    """The most that two shapes can move relative to each other per rad (or m) of each joint, m."""
-    one, other = shapes.geometryObjects[pair.first], shapes.geometryObjects[pair.second]
-    inner, outer = sorted((one, other), key=lambda shape: int(shape.parentJoint))
-    outer.geometry.computeLocalAABB()
-    box = outer.geometry.aabb_local
+def pair_levers(model: ArmModel, shapes: pin.GeometryModel) -> list[list[float]]:
+    """The most that the two shapes of each pair can move relative to each other per rad (or m) of each joint, m."""
+    joints = [int(shape.parentJoint) for shape in shapes.geometryObjects]
+    of_shapes: dict[int, list[float]] = {}
+    of_pairs = []
+    for pair in shapes.collisionPairs:
+        inner, outer = sorted((int(pair.first), int(pair.second)), key=joints.__getitem__)
+        if outer not in of_shapes:
+            of_shapes[outer] = _levers(model, shapes.geometryObjects[outer])
+        of_pairs.append([0.0] * joints[inner] + of_shapes[outer][joints[inner] :])
+    return of_pairs
+
+
+def _levers(model: ArmModel, shape: pin.GeometryObject) -> list[float]:
+    """The most that a shape can move per rad (or m) of each joint, m."""
+    shape.geometry.computeLocalAABB()
+    box = shape.geometry.aabb_local
     corners = np.array(list(itertools.product(*zip(box.min_.tolist(), box.max_.tolist(), strict=True))))
-    moved: Array = corners @ outer.placement.rotation.T + outer.placement.translation
-    return model.levers(inner.parentJoint, outer.parentJoint, moved)
+    moved: Array = corners @ shape.placement.rotation.T + shape.placement.translation
+    return model.levers(shape.parentJoint, moved)
 
 
 def _add_pairs(model: pin.Model, shapes: pin.GeometryModel, config: CollisionConfig) -> None:

@@ -1,5 +1,6 @@
 """How far a camera's time stamps lag behind a screen's pattern: cross-correlation with a model of the exposure."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,14 +63,15 @@ def estimate_delay(stamps_ns: NDArray[np.int64], brightness: Array, pattern: Sho
             "still, give the camera a fixed exposure (exposure_ms), and let nothing else change in its view"
         )
     begin, end = _interval(delays_ms, correlation, len(stamps_ns))
-    unseen_ms = _unseen_ms(stamps_ns, pattern.refresh_ms)
+    rate_hz = _rate_hz(stamps_ns)
+    unseen_ms = _unseen_ms(len(stamps_ns), rate_hz, pattern.refresh_ms)
     gaps_ns = np.diff(stamps_ns)
     return Delay(
         (begin + end) / 2,
         max(end - begin, unseen_ms, FINE_MS) / 2,
         float(correlation[best]),
         float(high - low),
-        _rate_hz(stamps_ns),
+        rate_hz,
         float(np.max(gaps_ns)) / NS_PER_MS,
     )
 
@@ -119,13 +121,12 @@ def _interval(delays_ms: Array, correlation: Array, frames: int) -> tuple[float,
     return float(likely.min()), float(likely.max())
 
 
-def _unseen_ms(stamps_ns: NDArray[np.int64], refresh_ms: float) -> float:
+def _unseen_ms(frames: int, rate_hz: float, refresh_ms: float) -> float:
     """The longest part of the screen's period in which no frame falls: the screen stands still between refreshes.
 
     All of it for a camera in step with the screen, nearly nothing for one that drifts against it.
     """
-    numbers = np.arange(len(stamps_ns))
-    phase_ms = np.sort(numbers * 1000.0 / _rate_hz(stamps_ns) % refresh_ms)
+    phase_ms = np.sort(np.arange(frames) * 1000.0 / rate_hz % refresh_ms)
     return float(np.max(np.diff(phase_ms, append=phase_ms[0] + refresh_ms)))
 
 
@@ -134,5 +135,8 @@ def _rate_hz(stamps_ns: NDArray[np.int64]) -> float:
     t_s = (stamps_ns - stamps_ns[0]) / NS_PER_S
     about_hz = 1.0 / float(np.median(np.diff(t_s)))
     rates_hz = np.arange(0.9 * about_hz, 1.1 * about_hz, RATE_STEP / t_s[-1])
-    power = [abs(np.exp(2j * np.pi * rate_hz * t_s).sum()) for rate_hz in rates_hz]
+    # Each rate is one of few, and one of few small steps more: the exponential of the sum is the product of theirs.
+    row = math.isqrt(len(rates_hz)) + 1
+    firsts, steps = (np.exp(2j * np.pi * np.outer(hz, t_s)) for hz in (rates_hz[::row], rates_hz[:row] - rates_hz[0]))
+    power = np.abs(firsts @ steps.T).ravel()[: len(rates_hz)]
     return float(rates_hz[int(np.argmax(power))])

@@ -42,9 +42,11 @@ def film(panels: Iterable[Panel], centre: Array, sight: Array) -> Image:
     """The picture (H, W, 3) BGR of panels, the farthest first, from a camera at `centre` (3,) in m."""
     picture = np.zeros(sight.shape, np.float32)
     for panel in panels:
-        seen = _seen(panel, centre, sight).astype(np.float32)
-        cover = seen[:, :, 3:] / np.float32(255.0)
-        picture += cover * (seen[:, :, :3] - picture)
+        seen = _seen(panel, centre, sight)
+        left, top, width, height = cv2.boundingRect(seen[:, :, 3])
+        box = slice(top, top + height), slice(left, left + width)
+        cover = seen[box][:, :, 3:].astype(np.float32) / np.float32(255.0)
+        picture[box] += cover * (seen[box][:, :, :3] - picture[box])
     return picture.round().astype(np.uint8)
 
 
@@ -56,9 +58,11 @@ def _seen(panel: Panel, centre: Array, sight: Array) -> Image:
     normal = np.cross(panel.across, panel.down)
     approach = sight @ normal
     distance = (panel.corner - centre) @ normal / np.where(np.abs(approach) < 1e-9, 1e-9, approach)
-    found = centre + distance[:, :, None] * sight - panel.corner
+    from_corner = centre - panel.corner
     row, column = (
-        np.where(distance > 0.0, panel.px_per_m * (found @ axis) + 0.5, -10.0).astype(np.float32)
+        np.where(distance > 0.0, panel.px_per_m * (from_corner @ axis + distance * (sight @ axis)) + 0.5, -10.0).astype(
+            np.float32
+        )
         for axis in (panel.down, panel.across)
     )
     seen = cv2.remap(framed, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)

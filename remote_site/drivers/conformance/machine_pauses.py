@@ -63,12 +63,15 @@ class PauseMeter(Protocol):
 MeasurePauses = Callable[[], AbstractContextManager[PauseMeter]]
 
 
+NOTHING = MachineTimes()
+
+
 class NeverPaused:
     """The meter of a clock that moves by itself: such a machine never pauses."""
 
     def read(self) -> MachineTimes:
         """Nothing."""
-        return MachineTimes()
+        return NOTHING
 
 
 class KernelMeter:

@@ -1,6 +1,5 @@
 """How `farhand driver test` ends: 1 where a check failed, 3 where none did but some have to be repeated."""
 
-import gc
 import signal
 import subprocess
 import sys
@@ -43,7 +42,6 @@ def test_the_exit_code_tells_what_failed_from_what_nothing_is_known_of(
 @pytest.fixture
 def _left_as_it_was() -> Iterator[None]:
     yield
-    gc.unfreeze()
     finish_log()
     structlog.reset_defaults()
 

@@ -11,6 +11,7 @@ from farhand.cli import app
 from tests.farhand.commands.parser_walk import walk
 
 EVERY = [pytest.param(words, command, id=" ".join(words) or "farhand") for words, command in walk()]
+ROOT: Any = typer.main.get_command(app)
 GROUPS = ["Start", "Operate", "Record", "Set up", "Maintain"]
 
 
@@ -32,15 +33,14 @@ def assert_taken(line: str, words: tuple[str, ...]) -> None:
     program, *rest = shlex.split(line.partition(" > ")[0])  # what follows is the shell's
     assert program == "farhand"
     assert tuple(rest[: len(words)]) == words
-    command: Any = typer.main.get_command(app)
+    command = ROOT
     while rest and rest[0] in getattr(command, "commands", {}):
         command = command.commands[rest.pop(0)]
     command.make_context("farhand", rest)
 
 
 def test_commands_are_listed_in_groups() -> None:
-    root = typer.main.get_command(app)
-    panels = [getattr(command, "rich_help_panel", None) for command in getattr(root, "commands", {}).values()]
+    panels = [getattr(command, "rich_help_panel", None) for command in ROOT.commands.values()]
     assert set(panels) == set(GROUPS)
     output = CliRunner().invoke(app, ["-h"]).output
     headings = [line.strip("╭─╮ ") for line in output.splitlines() if line.startswith("╭")]

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import msgspec
@@ -38,15 +40,26 @@ class RecordedStates:
 
 def recorded_states(folder: Path, change: Change = lambda _: {}) -> RecordedStates:
     """Record six seconds, engaged after two of them; `change` gives fields of the state at a time in s."""
-    site = RecordedSite(folder)
-    site.loop.link.activate(CONFIG.robot.start)
-    _run(site, 0.0, ENGAGED_S, change)
-    site.loop.ask(EngagementAction.ENGAGE)
-    site.note()
-    _run(site, ENGAGED_S, SECONDS, change)
-    site.recorder.step(site.clock.now_ns())
-    site.recorder.end(site.clock.now_ns())
-    return RecordedStates(site.files[0], ENGAGED_S)
+    name, content = _recording(change)
+    file = folder / name
+    file.write_bytes(content)
+    return RecordedStates(file, ENGAGED_S)
+
+
+@lru_cache(maxsize=4)
+def _recording(change: Change) -> tuple[str, bytes]:
+    """Name and content of the file, recorded once: it depends on stepped time alone."""
+    with TemporaryDirectory() as folder:
+        site = RecordedSite(Path(folder))
+        site.loop.link.activate(CONFIG.robot.start)
+        _run(site, 0.0, ENGAGED_S, change)
+        site.loop.ask(EngagementAction.ENGAGE)
+        site.note()
+        _run(site, ENGAGED_S, SECONDS, change)
+        site.recorder.step(site.clock.now_ns())
+        site.recorder.end(site.clock.now_ns())
+        (file,) = site.files
+        return file.name, file.read_bytes()
 
 
 def start_pose() -> Array:

@@ -1,5 +1,7 @@
 """Runs on a path through the whole remote site and the simulated cell: approach, holds, the gripper, the key."""
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 from msgspec.structs import replace
@@ -9,6 +11,7 @@ from common.errors import RefusedError
 from common.messages.hand import Locks
 from common.messages.robot import GripperCommand, GripperStatus, SessionState
 from farhand.experiments.stepped.site import SESSION
+from local_site.programmed.approach import approach
 from local_site.programmed.path_progress import PathProgress
 from local_site.programmed.path_run import ENDED, WAITS
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
@@ -136,31 +139,44 @@ def test_a_gripper_that_differs_is_refused_with_what_to_do_and_the_arm_cannot_be
     assert cell.site.snapshot.state is SessionState.DISENGAGED
 
 
-def test_a_lock_on_the_page_stands_the_run_and_is_named():
+@pytest.fixture(scope="module")
+def cell_under_way():
+    """A cell half a second after its run has begun; its time stands still."""
     cell = engaged(cell_on(some_path()))
     cell.until("runs")
-    state = cell.state()
+    cell.pass_s(0.5)
+    return cell
+
+
+@pytest.fixture
+def under_way(cell_under_way):
+    """Runs of the test's own, one of them under way, their progress, and the time and state of the cell."""
+    runs, progress = deepcopy((cell_under_way.runs, cell_under_way.progress))
+    return runs, progress, cell_under_way.site.now_ns, cell_under_way.state()
+
+
+def test_a_lock_on_the_page_stands_the_run_and_is_named(under_way):
+    runs, _, now_ns, state = under_way
     locked = replace(state, settings=replace(state.settings, locks=Locks(roll=True)))
-    hand = cell.runs.hand(cell.site.now_ns, locked)
+    hand = runs.hand(now_ns, locked)
     assert "roll is locked" in hand.reason
     assert hand.status.value == "initialising"
 
 
-def test_the_hand_goes_as_far_as_the_scale_on_the_page_needs():
-    cell = engaged(cell_on(some_path()))
-    cell.until("runs")
-    now_ns, state = cell.site.now_ns, cell.state()
-    hand = cell.runs.hand(now_ns, state)
+def test_the_hand_goes_as_far_as_the_scale_on_the_page_needs(under_way):
+    runs, _, now_ns, state = under_way
+    hand = runs.hand(now_ns, state)
     halved = replace(state, settings=replace(state.settings, scale=0.5 * state.settings.scale))
     assert np.linalg.norm(hand.wrist) > 0.01
-    assert cell.runs.hand(now_ns, halved).wrist == pytest.approx(2.0 * hand.wrist)
+    assert runs.hand(now_ns, halved).wrist == pytest.approx(2.0 * hand.wrist)
 
 
 def test_a_path_out_of_reach_is_not_run_through_without_the_arm():
     path = some_path()
-    far = ToolTrajectory(path.t_s, path.positions + np.array([0.5, 0.0, 0.3]), path.orientations)
+    far = ToolTrajectory(path.t_s, path.positions + np.array([0.3, 0.0, 0.18]), path.orientations)
     cell = engaged(cell_on(far))
-    cell.pass_s(25.0)
+    needed_s = approach(start_pose(), far.base_T_tool(0.0)).duration_s + far.duration_s
+    cell.pass_s(needed_s + 2.0)
     assert "behind" in cell.reason
     assert not cell.progress.is_done
 
@@ -197,14 +213,12 @@ def test_a_gripper_that_is_not_measured_is_refused_before_anything_moves():
     assert without.runs.hand(without.site.now_ns, replace(without.state(), gripper=None)).reason == WAITS
 
 
-def test_a_silent_remote_site_stands_the_run():
-    cell = engaged(cell_on(some_path()))
-    cell.until("runs")
-    cell.pass_s(0.5)
-    before = cell.progress.target
-    hand = cell.runs.hand(cell.site.now_ns, None)
+def test_a_silent_remote_site_stands_the_run(under_way):
+    runs, progress, now_ns, _ = under_way
+    before = progress.target
+    hand = runs.hand(now_ns, None)
     assert "silent" in hand.reason
-    assert cell.progress.target == pytest.approx(before)
+    assert progress.target == pytest.approx(before)
 
 
 def moved_mm(cell, stood):
@@ -266,17 +280,15 @@ NOT_OURS = {
 
 
 @pytest.mark.parametrize("made", NOT_OURS)
-def test_an_engagement_that_another_made_leads_no_run_and_ends_the_one_under_way(made):
-    cell = engaged(cell_on(some_path()))
-    cell.until("runs")
-    cell.pass_s(0.5)
-    reached, others = cell.progress.target, NOT_OURS[made](cell.state())
-    hands = [cell.runs.hand(cell.site.now_ns + k * NS_PER_S // 60, others) for k in range(120)]
+def test_an_engagement_that_another_made_leads_no_run_and_ends_the_one_under_way(made, under_way):
+    runs, progress, now_ns, state = under_way
+    reached, others = progress.target, NOT_OURS[made](state)
+    hands = [runs.hand(now_ns + k * NS_PER_S // 60, others) for k in range(120)]
     assert {hand.reason for hand in hands} == {WAITS}
     assert all(hand.wrist == pytest.approx(hands[0].wrist) for hand in hands)
-    assert cell.progress.target == pytest.approx(reached)
-    cell.runs.hand(cell.site.now_ns + 3 * NS_PER_S, cell.state())
-    assert cell.progress.target == pytest.approx(some_path().base_T_tool(0.0)), "a run of its own begins anew"
+    assert progress.target == pytest.approx(reached)
+    runs.hand(now_ns + 3 * NS_PER_S, state)
+    assert progress.target == pytest.approx(some_path().base_T_tool(0.0)), "a run of its own begins anew"
 
 
 def test_a_path_that_begins_a_thousand_kilometres_away_is_not_approached():

@@ -68,9 +68,10 @@ def test_states_are_read_one_after_the_other_and_not_all_kept(tmp_path):
     kind, outcome = EpisodeEventKind.BEGIN, EpisodeOutcome.UNKNOWN
     begin = EpisodeEvent(event=kind, episode=1, t_ns=1, by="anna", task="", outcome=outcome, note="")
     file.add(EPISODE, msgspec.json.encode(begin), 1, 1)
-    first, last = stretch(0, 2, 0.0)
+    first, last = (encode(state) for state in stretch(0, 2, 0.0))
+    topic = Topic(channels.STATE.key_for("cell"), "x", MessageSchema("s"))
     for k, state in enumerate([first, *[last] * 10_000]):
-        file.add(Topic(channels.STATE.key_for("cell"), "x", MessageSchema("s")), encode(state), k + 1, k + 1)
+        file.add(topic, state, k + 1, k + 1)
         if k % 1000 == 999:
             file.flush()
     file.finish()

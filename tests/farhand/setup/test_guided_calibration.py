@@ -17,8 +17,8 @@ NAMES = ("left", "right")
 FEW = 6
 
 
-def pairs(count=FEW):
-    return list(zip(*(pictures(source, 30)[:count] for source in SIDES), strict=True))
+def pairs():
+    return list(zip(*(pictures(source, FEW) for source in SIDES), strict=True))
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,7 @@
 """The operator in a room: pictures in colour, the same outline as in the dark, skin of every tone, repeatability."""
 
+from functools import cache
+
 import cv2
 import msgspec
 import numpy as np
@@ -21,26 +23,44 @@ def config(room=OFFICE, picture=SHARP, motion="pick_and_place", seed=1, **stereo
     )
 
 
+@cache
+def sharp(asked):
+    """The operator without noise, whose pictures depend on the time alone: made once, and shared."""
+    assert asked.picture == SHARP
+    return SimulatedOperator(asked)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _operators_end_with_the_module():
+    yield
+    sharp.cache_clear()
+
+
+def with_skin(asked, skin):
+    return msgspec.structs.replace(asked, room=msgspec.structs.replace(asked.room, skin=skin))
+
+
+def in_the_dark(asked):
+    return msgspec.structs.replace(asked, room=RoomConfig())
+
+
 def skin_seen(asked, t_s, view=0, filmed_s=None):
     """Where skin is (H, W): what differs between light skin and dark."""
-    pictures = [
-        SimulatedOperator(msgspec.structs.replace(asked, room=msgspec.structs.replace(asked.room, skin=skin)))
-        .render(t_s, (view,), filmed_s)[0]
-        .astype(int)
-        for skin in ("light", "dark")
-    ]
-    return np.abs(pictures[0] - pictures[1]).max(axis=2) > 0
+    light, dark = (
+        sharp(with_skin(asked, skin)).render(t_s, (view,), filmed_s)[0].astype(int) for skin in ("light", "dark")
+    )
+    return np.abs(light - dark).max(axis=2) > 0
 
 
 def dark_arm(asked, t_s, view=0):
     """The arm's pixels (H, W) in the dark."""
-    return SimulatedOperator(msgspec.structs.replace(asked, room=RoomConfig())).render(t_s, (view,))[0] > 20
+    return sharp(in_the_dark(asked)).render(t_s, (view,))[0] > 20
 
 
 @pytest.mark.parametrize("size", [(640, 480, 800.0), (1280, 720, 1600.0), (1280, 960, 1600.0)])
 def test_pictures_are_in_colour_at_every_size(size):
     width, height, focal = size
-    for image in SimulatedOperator(config(width_px=width, height_px=height, focal_px=focal)).render(0.0):
+    for image in sharp(config(width_px=width, height_px=height, focal_px=focal)).render(0.0):
         assert image.shape == (height, width, 3)
         assert image.dtype == np.uint8
 
@@ -63,9 +83,9 @@ def test_skin_covers_the_same_pixels_as_in_the_dark(view, t_s, k1):
 def test_skin_has_the_tone_that_was_asked_for_and_shading():
     means = []
     for skin in ("light", "medium", "dark"):
-        asked = config(RoomConfig(scene="office", skin=skin))
-        dark = SimulatedOperator(msgspec.structs.replace(asked, room=RoomConfig())).render(0.0)[0]
-        arm = SimulatedOperator(asked).render(0.0)[0][dark > 120]
+        asked = with_skin(config(), skin)
+        dark = sharp(in_the_dark(asked)).render(0.0)[0]
+        arm = sharp(asked).render(0.0)[0][dark > 120]
         blue, green, red = arm.mean(axis=0)
         assert red > green > blue
         assert arm[:, 1].std() > 5
@@ -82,7 +102,7 @@ def test_the_same_seed_gives_the_same_room_and_another_another():
 
 
 def test_noise_has_the_asked_strength_and_no_bias():
-    clean = SimulatedOperator(config()).render(0.0)[0].astype(float)
+    clean = sharp(config()).render(0.0)[0].astype(float)
     noisy = SimulatedOperator(config(picture=PictureConfig(blur_sigma_px=0.0, noise_sigma=3.0))).render(0.0)[0]
     within = (clean > 30) & (clean < 225)
     assert (noisy - clean)[within].std() == pytest.approx(3.0, rel=0.05)
@@ -96,13 +116,13 @@ def test_the_operator_steps_in_after_the_empty_room():
 
 
 def test_the_truth_comes_in_with_the_operator():
-    operator = SimulatedOperator(config(msgspec.structs.replace(OFFICE, empty_s=1.0), motion="hold"))
+    operator = sharp(config(msgspec.structs.replace(OFFICE, empty_s=1.0), motion="hold"))
     ways = [operator.truth(0.0, filmed_s).wrist[0] - operator.truth(0.0, 5.0).wrist[0] for filmed_s in (1.1, 1.4, 1.9)]
     assert ways[0] > 1.0 > ways[1] > 0.0 == ways[2]
 
 
 def test_the_points_are_those_of_an_operator_who_has_come_in():
-    operator = SimulatedOperator(config(msgspec.structs.replace(OFFICE, empty_s=1.0), motion="hold"))
+    operator = sharp(config(msgspec.structs.replace(OFFICE, empty_s=1.0), motion="hold"))
     there = operator.truth(0.0, 5.0)
     assert all(np.array_equal(point, getattr(there, name)) for name, point in operator.points(0.0).items())
 
@@ -115,10 +135,10 @@ def test_a_long_sleeve_leaves_only_the_hand():
 
 def test_a_watch_darkens_the_wrist_only():
     pictures = [
-        SimulatedOperator(config(msgspec.structs.replace(OFFICE, watch=watch))).render(0.0)[0].astype(int)
+        sharp(config(msgspec.structs.replace(OFFICE, watch=watch))).render(0.0)[0].astype(int)
         for watch in (False, True)
     ]
-    operator, camera = SimulatedOperator(config()), stereo_pair(StereoConfig())[0]
+    operator, camera = sharp(config()), stereo_pair(StereoConfig())[0]
     wrist = camera.pixels(camera.to_camera(operator.truth(0.0).wrist))
     rows, columns = np.nonzero(np.abs(pictures[0] - pictures[1]).max(axis=2) > 40)
     assert len(rows) > 40

@@ -24,15 +24,21 @@ def toggles(estimates):
     return hand.toggles
 
 
-def silhouette(shown):
+@pytest.fixture(scope="module", params=SHOWN)
+def seen(request):
+    """A posture, its film, and how often it toggles: filmed once for both trackers."""
+    shown, expected = SHOWN[request.param]
+    return shown, film(shown), expected
+
+
+def silhouette(sequence):
     """The estimates of the tracker of outlines."""
-    sequence = film(shown)
     return sequence.tracked(SilhouetteTracker(rig_of(sequence.projections)))
 
 
-def learned(shown, patch):
+def learned(shown, sequence, patch):
     """The estimates of the tracker of landmarks, which are seen as they are."""
-    sequence, motion = film(shown), Motion(STILL, BODY, 1)
+    motion = Motion(STILL, BODY, 1)
     tracker = shown_tracker(patch, sequence.projections)
     return [tracker.track(sequence.views(k), landmarks_of(motion, shown, k)) for k in range(len(sequence.times_s))]
 
@@ -45,23 +51,21 @@ def landmarks_of(motion, shown, k):
     return np.vstack([crease, thumb, *fingers])
 
 
-@pytest.mark.parametrize("name", SHOWN)
-def test_by_outlines_only_a_hand_with_its_fingers_apart_toggles(name):
-    shown, expected = SHOWN[name]
-    estimates = silhouette(shown)
+def test_by_outlines_only_a_hand_with_its_fingers_apart_toggles(seen):
+    _, sequence, expected = seen
+    estimates = silhouette(sequence)
     assert all(estimate.wrist is not None for estimate in estimates)
     assert toggles(estimates) == expected
 
 
-@pytest.mark.parametrize("name", SHOWN)
-def test_by_landmarks_only_a_hand_with_its_fingers_apart_toggles(name, monkeypatch):
-    shown, expected = SHOWN[name]
-    assert toggles(learned(shown, monkeypatch)) == expected
+def test_by_landmarks_only_a_hand_with_its_fingers_apart_toggles(seen, monkeypatch):
+    shown, sequence, expected = seen
+    assert toggles(learned(shown, sequence, monkeypatch)) == expected
 
 
 @pytest.mark.parametrize("roll_deg", [-10, 90])
 def test_a_flat_hand_still_shows_no_u_so_that_its_orientation_is_not_copied(roll_deg):
-    assert any(estimate.hand_open for estimate in silhouette(Shown(FLAT_TOGETHER, roll_deg)))
+    assert any(estimate.hand_open for estimate in silhouette(film(Shown(FLAT_TOGETHER, roll_deg))))
 
 
 @pytest.mark.long
@@ -70,5 +74,6 @@ def test_a_flat_hand_still_shows_no_u_so_that_its_orientation_is_not_copied(roll
 def test_it_does_not_matter_which_side_of_the_hand_the_cameras_see(name, roll_deg, monkeypatch):
     shown, expected = SHOWN[name]
     rolled = Shown(shown.posture, float(roll_deg))
-    assert toggles(silhouette(rolled)) == expected
-    assert toggles(learned(rolled, monkeypatch)) == expected
+    sequence = film(rolled)
+    assert toggles(silhouette(sequence)) == expected
+    assert toggles(learned(rolled, sequence, monkeypatch)) == expected

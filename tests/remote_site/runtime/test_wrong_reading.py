@@ -19,7 +19,7 @@ from tests.remote_site.remote_loop import TICK_NS, RemoteLoop, arm, hand, operat
 
 MODEL, _ = arm(CONFIG)
 JOINTS = range(6)
-ENGAGED_TICKS = 8 * 31
+ENGAGED_TICKS = 8 * (CONFIG.engagement.frames + 1)
 BEGIN_MS = 126.0  # a sample comes 2 ms later
 
 Error = Callable[[float], float]
@@ -49,7 +49,7 @@ class Misread:
     """Control alone, told by nobody that what it gets is wrong: the tool that it commands, with a hand's own motion."""
 
     def __init__(self, joint: int, error: Error, hand_m: Callable[[float], float] = lambda _: 0.0) -> None:
-        loop = RemoteLoop()
+        loop = RemoteLoop(CONFIG)
         loop.run(ENGAGED_TICKS, lambda _: (0.0, 0.0, 0.3))
         assert loop.states[-1] is SessionState.ENGAGED
         sent, begin_ns = loop.sent, loop.clock.now_ns()

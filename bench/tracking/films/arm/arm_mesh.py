@@ -1,6 +1,7 @@
 """The mesh of a bare right arm: its vertices, bones and weights, and the finer surface that is drawn."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
@@ -59,10 +60,11 @@ class ArmMesh:
         return np.column_stack([x, y, np.cross(x, y)])
 
 
+@lru_cache(maxsize=3)  # as many as there are bodies
 def load_arm_mesh(path: Path, body: Body) -> ArmMesh:
     """The mesh of a body in a file with quads, weights, bones, and verts, head and tail of each body in mm.
 
-    ConfigError when the file is missing.
+    It is read and made finer once, and shared: nobody changes it. ConfigError when the file is missing.
     """
     if not path.exists():
         raise ConfigError(f"{path} is missing: put the arm's mesh there, it comes with the recordings")

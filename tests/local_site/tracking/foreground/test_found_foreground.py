@@ -24,9 +24,9 @@ def follow(
 ) -> FoundArm:
     """The arm after some pairs of pictures, each with a noise of its own and changed."""
     random = np.random.default_rng(1)
+    drawn = [arm.draw(room, matrix)[0] for room, matrix in zip(rooms, RIG.matrices, strict=True)]
     for _ in range(PAIRS):
-        pictures = [noisy(arm.draw(room, matrix)[0], random) for room, matrix in zip(rooms, RIG.matrices, strict=True)]
-        found = foreground.find([change(picture) for picture in pictures], arm.seen(RIG))
+        found = foreground.find([change(noisy(picture, random)) for picture in drawn], arm.seen(RIG))
     return found
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence as Several
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import pytest
@@ -31,12 +32,18 @@ def simulated_landmarks(
 ) -> Array:
     """The landmarks (21, 3) in m of the average simulated hand at the k-th instant, held as at `rest` while closed."""
     body = BodyConfig()
-    pose = Motion(motion, body, 1).pose(sequence.times_s[k])
+    pose = _course(motion).pose(sequence.times_s[k])
     joints = Hand(body.hand_scale, rest).balls(pose.openness)[:JOINTS]
     fingers, thumb = joints[: JOINTS - 4], joints[JOINTS - 4 :]
     local = np.vstack([CREASE * fingers[MIDDLE_KNUCKLE], thumb, fingers])
     landmarks: Array = pose.wrist + local @ pose.operator_R_hand.T
     return landmarks
+
+
+@cache
+def _course(motion: MotionConfig) -> Motion:
+    """Where the average arm is at each time, which it does not remember."""
+    return Motion(motion, BodyConfig(), 1)
 
 
 def seen_hand(rig: Rig, landmarks: Array) -> SeenHand:

@@ -54,8 +54,15 @@ def report(folder: Path, pairs: list[TrackedPair]) -> Elements:
     return Elements((folder / PAGE).read_text())
 
 
-def test_the_tables_have_the_figures_of_the_pairs(tmp_path: Path) -> None:
-    words = " ".join(report(tmp_path / "report", a_track()).text.split())
+@pytest.fixture(scope="module")
+def reported(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Elements]:
+    """The report of `a_track`, to be read: its folder, and its page."""
+    folder = tmp_path_factory.mktemp("track") / "report"
+    return folder, report(folder, a_track())
+
+
+def test_the_tables_have_the_figures_of_the_pairs(reported: tuple[Path, Elements]) -> None:
+    words = " ".join(reported[1].text.split())
     assert "tracked 25 62.5 % degraded 10 25.0 % lost 5 12.5 %" in words
     assert "rms epipolar residual between the views, px 0.50 0.50 0.50" in words
     assert "wrist 87.5 % 1.0 1.0 1.000" in words
@@ -73,33 +80,31 @@ def test_the_toggles_are_those_of_the_last_pair(tmp_path: Path) -> None:
     assert "gripper toggles: 3." in report(tmp_path, [pair(0), toggled]).text
 
 
-def test_a_share_does_not_wrap(tmp_path: Path) -> None:
-    text = report(tmp_path, a_track()).text
+def test_a_share_does_not_wrap(reported: tuple[Path, Elements]) -> None:
+    text = reported[1].text
     assert "62.5\N{NO-BREAK SPACE}%" in text
     assert not re.search(r"\d\.\d %", text)
 
 
-def test_every_picture_is_there_has_words_and_opens_by_a_link(tmp_path: Path) -> None:
-    page = report(tmp_path / "report", a_track())
+def test_every_picture_is_there_has_words_and_opens_by_a_link(reported: tuple[Path, Elements]) -> None:
+    folder, page = reported
     pictures = [image["src"] or "" for image in page.all("img")]
     assert {name for name in pictures if not name.startswith("worst")} == {
         *("position.png", "speed_sigma.png", "course.png", "reason_01.png", "reason_02.png")
     }
-    assert all(cv2.imread(str(tmp_path / "report" / name)) is not None for name in pictures)
+    assert all(cv2.imread(str(folder / name)) is not None for name in pictures)
     assert [link["href"] for link in page.all("a")] == pictures
     assert all(image["alt"] for image in page.all("img"))
     assert "wrist x 0.200 to 1.560 m, y 0.200 to 0.250 m" in str(page.all("img")[0]["alt"])
-    assert {path.name for path in (tmp_path / "report").iterdir()} == {PAGE, *pictures}
+    assert {path.name for path in folder.iterdir()} == {PAGE, *pictures}
 
 
-def test_the_page_needs_nothing_from_elsewhere(tmp_path: Path) -> None:
-    report(tmp_path, a_track())
-    assert not re.search(r"https?:|//|<script|@import|url\(", (tmp_path / PAGE).read_text())
+def test_the_page_needs_nothing_from_elsewhere(reported: tuple[Path, Elements]) -> None:
+    assert not re.search(r"https?:|//|<script|@import|url\(", (reported[0] / PAGE).read_text())
 
 
-def test_a_loss_is_drawn_where_it_was(tmp_path: Path) -> None:
-    report(tmp_path, a_track())
-    course = cv2.imread(str(tmp_path / "course.png"))
+def test_a_loss_is_drawn_where_it_was(reported: tuple[Path, Elements], tmp_path: Path) -> None:
+    course = cv2.imread(str(reported[0] / "course.png"))
     assert course is not None
     columns = np.flatnonzero((course == RED).all(axis=2).sum(axis=0) > 10)
     report(tmp_path, [pair(k) for k in range(40)])
