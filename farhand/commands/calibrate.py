@@ -27,7 +27,9 @@ Standing = Annotated[bool, typer.Option("--standing", help="The board is upright
 CameraConfigFile = Annotated[
     Path | None, typer.Option("--config", help="A local site's TOML file: how its section 'operator' sets the cameras.")
 ]
-FoundPictures = Annotated[Path | None, typer.Option(help="Folder for what was found and covered, as PNG; earlier ones are replaced.")]
+FoundPictures = Annotated[
+    Path | None, typer.Option(help="Folder for what was found and covered, as PNG; earlier ones are replaced.")
+]
 
 calibrate_app = typer.Typer(
     help="Compute a rig from measurements.\n\nExample: farhand calibrate points control_points.csv",

@@ -50,7 +50,9 @@ def extract(
 @teach_app.command("show")
 def show(
     file: TaskPath,
-    out: Annotated[Path | None, typer.Option(help="A picture of the path as well, as PNG; an earlier one is replaced.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="A picture of the path as well, as PNG; an earlier one is replaced.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Print a task's way points, with when the tool is at each of them, and draw its path.

@@ -187,6 +187,7 @@ def test_ctrl_c_before_anything_listens_to_it_ends_without_a_traceback(monkeypat
     def interrupted() -> None:
         raise KeyboardInterrupt
 
+    monkeypatch.setattr("farhand.__main__.catch_signals", lambda: None)  # for this process, the handlers stay
     monkeypatch.setattr("farhand.cli.main", interrupted)
     with pytest.raises(SystemExit) as ended:
         start()
