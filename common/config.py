@@ -7,6 +7,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Generic, Literal, TypeVar, Union, get_args, get_origin
@@ -204,7 +205,7 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistak
 def _cure(expected: Any, value: Any, error: str) -> str:
     """What may stand in the place of a value that `error` refuses."""
     parts = list(_parts(expected))
-    choices = [str(choice) for part in parts if get_origin(part) is Literal for choice in get_args(part)]
+    choices = [str(choice) for part in parts for choice in _choices(part)]
     if choices and isinstance(value, str) and (near := difflib.get_close_matches(value, choices, n=1)):
         return f"did you mean {near[0]}?"
     if choices and type(value) not in parts and not (isinstance(value, int) and float in parts):
@@ -212,6 +213,13 @@ def _cure(expected: Any, value: Any, error: str) -> str:
         return f"choose {'one of ' if len(choices) > 1 else ''}{', '.join(choices)}{number}"
     described = [note.description for note in getattr(expected, "__metadata__", ()) if note.description]
     return f"give a {described[0]}" if "regex" in error and described else in_plain_words(error, value, *described[:1])
+
+
+def _choices(part: Any) -> Iterable[Any]:
+    """What alone may stand for a type of words, none for any other type."""
+    if isinstance(part, type) and issubclass(part, Enum):
+        return [member.value for member in part]
+    return get_args(part) if get_origin(part) is Literal else ()
 
 
 def _parts(expected: Any) -> Iterator[Any]:

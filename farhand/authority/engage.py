@@ -14,6 +14,7 @@ from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.link.transport import Link
 from common.messages.requests import EngagementAction, Reply
+from common.messages.robot import SessionState
 from farhand.authority.asking import link_to, newest_state, remote_at
 from farhand.interruption import NOT_STOPPED
 from local_site.authority.config import host_operator
@@ -126,5 +127,6 @@ def _look(link: Link, cell: str, action: EngagementAction, tell: Callable[[str],
         return 0
     state = newest_state(link, cell)
     if action is EngagementAction.RESET:
-        tell(f"to reset: {state.reason}")
+        is_barred = state.state is not SessionState.DISENGAGED or state.code in RESET_FIRST
+        tell(f"{'to reset' if is_barred else 'nothing to reset'}: {state.reason}")
     return state.halted_ns

@@ -1,6 +1,7 @@
 """Configuration: all mistakes of a file together, each with its line and cure."""
 
 import tracemalloc
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,7 +17,13 @@ class Inner(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     name: str = "a"
 
 
+class Way(StrEnum):
+    THERE = "there"
+    BACK = "back"
+
+
 class Light(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    way: Way = Way.THERE
     level: Annotated[Annotated[float, msgspec.Meta(gt=0)] | Literal["auto"] | None, msgspec.Meta(description="x")] = (
         None
     )
@@ -89,6 +96,9 @@ def test_tables_by_name_are_read(tmp_path: Path) -> None:
         ("light.left=3", "must be a table: [light.left]"),
         ("lights=3", "must be a table: [lights]"),
         ("lights.level=-1", "-1 is not allowed: give a number > 0.0 (x)"),
+        ("lights.way=foo", "'foo' is not allowed: choose one of there, back"),
+        ("lights.way=bakc", "'bakc' is not allowed: did you mean back?"),
+        ("lights.way=3", "3 is not allowed: choose one of there, back"),
         ("lights.level=[]", "[] is not allowed: choose auto or give a number"),
         ("lights.code=3", '3 is not allowed: give words in quotes, not a whole number (code of four: "MJPG")'),
     ],

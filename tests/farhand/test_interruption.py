@@ -1,6 +1,5 @@
 """Ctrl-C and SIGTERM end every command with 130 and a word, whatever it does at that moment."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -12,7 +11,6 @@ import pytest
 
 from common.link.config import ON_THIS_HOST
 from common.link.pubsub import Latest
-from farhand.doctor.link import probing
 from farhand.doctor.link.probing import LinkProber, measure_link
 
 STOP_SIGNALS = [signal.SIGINT, signal.SIGTERM]
