@@ -4,7 +4,7 @@ import errno
 import sys
 from collections.abc import Callable
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -36,7 +36,7 @@ NO_SPACE = errno.ENOSPC, errno.EDQUOT
 class InterruptibleGroup(TyperGroup):
     """Commands of which an interruption that they do not answer themselves says that it was one."""
 
-    def invoke(self, ctx: typer.Context) -> object:
+    def invoke(self, ctx: Any) -> Any:
         """Run the command; InterruptionError after Ctrl-C, for which Typer would end without a word."""
         try:
             return super().invoke(ctx)

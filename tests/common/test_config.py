@@ -115,6 +115,41 @@ def test_a_setting_that_cannot_be_applied_is_refused(setting: str, tmp_path: Pat
         load_config(Outer, write(tmp_path, "count = 1\n"), [setting])
 
 
+class Named(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    name: str = "a"
+    low: float = 0.0
+    high: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.name == "B":
+            raise ConfigError("name 'B': use small letters")
+        if self.low > self.high:
+            raise ValueError("low and high are the wrong way round; exchange them")
+
+
+def test_what_a_table_says_of_one_of_its_keys_has_the_line_of_that_key(tmp_path: Path) -> None:
+    path = write(tmp_path, 'low = 0.5\nname = "B"\n')
+    with pytest.raises(ConfigError) as caught:
+        load_config(Named, path)
+    assert str(caught.value) == f"{path}:2: name: 'B': use small letters"
+    with pytest.raises(ConfigError) as caught:
+        load_config(Named, write(tmp_path, "low = 2.0\n"))
+    assert str(caught.value) == f"{path}: low and high are the wrong way round; exchange them"
+
+
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        ("name=B", "--set name: 'B': use small letters"),
+        ("low=2", "--set low and high are the wrong way round; exchange them"),
+    ],
+)
+def test_what_a_setting_makes_wrong_is_told_as_a_settings(setting: str, told: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        load_config(Named, None, [setting])
+    assert str(caught.value) == told
+
+
 def test_a_wrong_setting_is_told_as_such() -> None:
     with pytest.raises(ConfigError, match=r"--set inner\.speed: -1"):
         load_config(Outer, None, ["inner.speed=-1"])
