@@ -5,8 +5,9 @@ import difflib
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Generic, Literal, TypeVar, Union, get_args, get_origin
@@ -30,7 +31,9 @@ TOML_CURES = {
     "Cannot declare": "; this table stands twice: join both, or write each table of a list in double brackets, [[...]]",
     "Invalid value": '; a word stands in quotes, as "word", a number with a point, as 0.5',
 }
+CURE_UNREAD = "give the path of a file that is there and may be read"
 BESIDE = "beside"  # key of Meta.extra of a path that is seen from the configuration's own folder
+OF_A_KEY = re.compile(r"(\w+)(?:: | (?=['\d-]))")  # "key: ...", or "key VALUE ..."
 KEY_LINE = re.compile(r"\s*([A-Za-z0-9_.\"-]+)\s*=")
 
 
@@ -175,8 +178,16 @@ def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: li
     try:
         return struct(**values)
     except (ValueError, ConfigError) as error:
-        mistakes.append(ConfigMistake(path, str(error)))
+        mistakes.append(_between_keys(path, str(error), fields))
         return None
+
+
+def _between_keys(path: KeyPath, said: str, fields: Container[str]) -> ConfigMistake:
+    """What a table says of its keys together, as a mistake of the key that the sentence begins with, if it does."""
+    found = OF_A_KEY.match(said)
+    if found is not None and found[1] in fields:
+        return ConfigMistake((*path, found[1]), said[found.end() :])
+    return ConfigMistake(path, said)
 
 
 def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistake]) -> Any:
@@ -204,7 +215,7 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistak
 def _cure(expected: Any, value: Any, error: str) -> str:
     """What may stand in the place of a value that `error` refuses."""
     parts = list(_parts(expected))
-    choices = [str(choice) for part in parts if get_origin(part) is Literal for choice in get_args(part)]
+    choices = [str(choice) for part in parts for choice in _choices(part)]
     if choices and isinstance(value, str) and (near := difflib.get_close_matches(value, choices, n=1)):
         return f"did you mean {near[0]}?"
     if choices and type(value) not in parts and not (isinstance(value, int) and float in parts):
@@ -212,6 +223,13 @@ def _cure(expected: Any, value: Any, error: str) -> str:
         return f"choose {'one of ' if len(choices) > 1 else ''}{', '.join(choices)}{number}"
     described = [note.description for note in getattr(expected, "__metadata__", ()) if note.description]
     return f"give a {described[0]}" if "regex" in error and described else in_plain_words(error, value, *described[:1])
+
+
+def _choices(part: Any) -> Iterable[Any]:
+    """What alone may stand for a type of words, none for any other type."""
+    if isinstance(part, type) and issubclass(part, Enum):
+        return [member.value for member in part]
+    return get_args(part) if get_origin(part) is Literal else ()
 
 
 def _parts(expected: Any) -> Iterator[Any]:
@@ -253,7 +271,7 @@ def _read(path: Path) -> str:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
     except OSError as error:
-        raise ConfigFileError(f"cannot read the configuration {path}: {error.strerror}") from error
+        raise ConfigFileError(f"cannot read {path}: {error.strerror}; {CURE_UNREAD}") from error
     if len(content) > MAX_BYTES:
         raise ConfigError(f"{path}: larger than {MAX_BYTES} bytes; give a TOML file")
     if content.startswith(codecs.BOM_UTF8):
@@ -310,9 +328,10 @@ def _split(dotted: str) -> KeyPath:
 
 
 def _describe(mistake: ConfigMistake, path: Path | None, lines: Mapping[KeyPath, int], set_paths: set[KeyPath]) -> str:
-    key = ".".join(mistake.path) or "the configuration"
+    text = ": ".join(filter(None, (".".join(mistake.path), mistake.text)))
     if mistake.path in set_paths:
-        return f"--set {key}: {mistake.text}"
+        return f"--set {text}"
     line = next((lines[mistake.path[:n]] for n in range(len(mistake.path), 0, -1) if mistake.path[:n] in lines), None)
-    source = str(path) if path is not None else "configuration"
-    return f"{source}:{line}: {key}: {mistake.text}" if line else f"{source}: {key}: {mistake.text}"
+    if path is None:  # the defaults have no mistake: it comes of a setting
+        return f"--set {text}"
+    return f"{path}:{line}: {text}" if line else f"{path}: {text}"

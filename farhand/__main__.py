@@ -5,21 +5,23 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from farhand.exit_codes import FAILED, INTERRUPTED
+from farhand.interruption import catch_signals, sentence
 
 HOME = Path(__file__).resolve().parents[1]
 OWN_PACKAGES = ("common", "local_site", "remote_site")
 
 
 def main() -> None:
-    """Run the command line; an interruption before it listens to signals ends without a traceback."""
+    """Run the command line; Ctrl-C and SIGTERM before it listens to them end it with a word, and no traceback."""
     try:
+        catch_signals()
         if problem := foreign_package():
             _end(problem, FAILED)
         from farhand.cli import main as run  # noqa: PLC0415  # importing it takes long enough to be interrupted
 
         run()
     except KeyboardInterrupt:
-        _end("interrupted", INTERRUPTED)
+        _end(sentence(sys.argv[1:]), INTERRUPTED)
 
 
 def foreign_package() -> str | None:

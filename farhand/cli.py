@@ -4,9 +4,10 @@ import errno
 import sys
 from collections.abc import Callable
 from importlib.metadata import version
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from common.errors import ConfigError, FarhandError, InterruptionError, NotInstalledError
 from common.process.log import finish_log
@@ -31,8 +32,23 @@ from farhand.terminal import complain, say
 
 NO_SPACE = errno.ENOSPC, errno.EDQUOT
 
+
+class InterruptibleGroup(TyperGroup):
+    """Commands of which an interruption that they do not answer themselves says that it was one."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command; InterruptionError after Ctrl-C, for which Typer would end without a word."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as error:
+            raise InterruptionError("interrupted") from error
+
+
 app = typer.Typer(
-    no_args_is_help=True, pretty_exceptions_enable=False, context_settings={"help_option_names": ["-h", "--help"]}
+    cls=InterruptibleGroup,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 
 

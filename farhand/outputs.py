@@ -23,6 +23,13 @@ def check_file(option: str, out: Path, inputs: Iterable[str | Path] = ()) -> Non
     _refuse_inputs(option, out, inputs)
 
 
+def check_new_file(option: str, out: Path, inputs: Iterable[str | Path] = ()) -> None:
+    """As `check_file`, and ConfigError if there is a file of that name already: hours of work are not replaced."""
+    check_file(option, out, inputs)
+    if out.is_file():
+        raise ConfigError(f"{option} {out} exists already; give another name, or move it away first")
+
+
 def check_folder(option: str, folder: Path | None, inputs: Iterable[str | Path] = ()) -> None:
     """ConfigError, before any work, if a folder of results cannot be made there or is one that is read."""
     if folder is None:

@@ -22,7 +22,7 @@ from common.process.service import StopFlag, notify
 from common.process.viewers import run_viewers
 
 BEAT_S = 0.2
-VIEWERS_TABLE = "viewers.tls"
+TLS_TABLE, VIEWERS_TABLE = "tls", "viewers.tls"
 EndpointName = Annotated[str, Meta(min_length=1)]
 
 
@@ -48,7 +48,7 @@ class RouterConfig(OperatorLinks, frozen=True, kw_only=True, forbid_unknown_fiel
 def run_router(config: RouterConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
     """Pass on the sites' messages until asked to stop; TransportError or ConfigError when it cannot."""
     start_log("router", log_format)
-    check_links(config.listen, config, config.bearer)
+    check_links(config.listen, config, config.bearer, table=TLS_TABLE)
     check_viewers(config.viewers, config.tls, config.bearer, VIEWERS_TABLE)
     if config.tls.is_given and not config.operators:
         structlog.get_logger().warning("nobody may operate: operators is empty", cure=NAME_OPERATORS)

@@ -26,6 +26,11 @@ VERDICTS = {  # by OpenSSL's verification code, X509_V_ERR_*
     64: f"is for other hosts; renew it with this one {RENEW} --host ADDRESS",
 }
 TABLE = "links.tls"
+MISSING = (
+    "correct the path, or make the certificates on the host that keeps the authority, and copy ca.pem and the pair "
+    "here: farhand certificates create CELL, and for a router then farhand certificates router CELL"
+)
+UNREAD = "let this user read it, or be the service's: sudo -u farhand farhand ..."
 HANDSHAKE_ROUNDS = 8  # more than any TLS handshake takes
 
 
@@ -46,7 +51,8 @@ def load_credentials(tls: TlsConfig, table: str = TABLE) -> Credentials:
         try:
             Path(path).read_bytes()
         except OSError as error:
-            raise TransportError(f"{table}.{what}: cannot read {path}: {error.strerror}") from error
+            cure = UNREAD if isinstance(error, PermissionError) else MISSING
+            raise TransportError(f"{table}.{what}: cannot read {path}: {error.strerror}; {cure}") from error
     try:
         certificate = _shake_hands(*_own_contexts(tls))
     except ssl.SSLCertVerificationError as error:

@@ -222,6 +222,11 @@ class Link:
             return None
         return replace(quic, protocol="tls"), LinkSecurity(tls=self._credentials.tls)
 
+    @property
+    def leads_to(self) -> str:
+        """The endpoints to which this side connects, to be read by people."""
+        return ", ".join(map(str, self._outgoing))
+
     def is_up(self) -> bool:
         """Whether one of our endpoints is connected now."""
         links = self._session.info.links()

@@ -1,8 +1,8 @@
 """Serves metrics to Prometheus from a separate process that only listens, so that no loop waits for a scrape."""
 
-import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
 from typing import Protocol, TypeVar
 
 from prometheus_client import CollectorRegistry, start_http_server
@@ -10,6 +10,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from prometheus_client.registry import Collector
 
 from common.errors import TransportError
+from common.link.channel_feeds import ChannelFeeds
 from common.link.channels import ANY, Channel
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.endpoints import from_this_host
@@ -76,9 +77,11 @@ def run_metrics(
     be_nice(NICE)
     registry = CollectorRegistry()
     registry.register(AtScrape(figures))
-    with open_link(connect=(from_this_host(endpoint),), security=security) as link:
-        latest = link.latest(channel, cell, operator=operator)
-        threading.Thread(target=latest.feed, args=(figures.observe,), name="listen", daemon=True).start()
+    with ExitStack() as stack:
+        feeds = ChannelFeeds()
+        stack.callback(feeds.join)  # once the link is closed
+        link = stack.enter_context(open_link(connect=(from_this_host(endpoint),), security=security))
+        feeds.add(link.latest(channel, cell, operator=operator), figures.observe)
         try:
             server, _ = start_http_server(port, addr="127.0.0.1", registry=registry)
         except OSError as error:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import structlog
 
-from common.errors import RecordingError
+from common.errors import ConfigError
 
 FOLDER_MODE = 0o700
 STATE_HOME = "~/.local/state"  # where XDG_STATE_HOME is not set
@@ -34,14 +34,14 @@ def recordings_folder(configured: str, name: str) -> Path:
 
 
 def make_private(folder: Path) -> None:
-    """Make the folder, its owner's alone; RecordingError where that is not possible, or others may look into it."""
+    """Make the folder, its owner's alone; ConfigError where that is not possible, or others may look into it."""
     try:
         folder.mkdir(mode=FOLDER_MODE, parents=True, exist_ok=True)
         facts = folder.stat()
     except OSError as error:
-        raise RecordingError(f"no recording can be kept in {folder}: {error.strerror}; give another --out") from error
+        raise ConfigError(f"no recording can be kept in {folder}: {error.strerror}; give another --out") from error
     if facts.st_mode & 0o077:
-        raise RecordingError(f"others may look into {folder}: chmod 700 {folder}, or give another --out")
+        raise ConfigError(f"others may look into {folder}: chmod 700 {folder}, or give another --out")
 
 
 def file_name(began: datetime, cell: str, part: int) -> str:

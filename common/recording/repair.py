@@ -1,5 +1,6 @@
 """Makes a file whole that was not ended in order: cut after its last whole chunk, and indexed again in place."""
 
+import errno
 import os
 import shutil
 import struct
@@ -23,6 +24,17 @@ from common.recording.records import BROKEN, MAGIC, record_at
 from common.recording.scan import FileIndex, ShowBytes, scan
 from common.recording.summary import ChunkPlace, FileSummary, check_chunks, check_span, read_summary
 
+RIGHTS = "repair it as the user whose file it is: its folder must take a file too"
+CURES = {
+    errno.ENOENT: "give the path of a recording",
+    errno.ENOTDIR: "give the path of a recording",
+    errno.EISDIR: "give the path of a recording, as FOLDER/*.mcap",
+    errno.ENOSPC: "free some space there",
+    errno.EDQUOT: "free some space there",
+    errno.EACCES: RIGHTS,
+    errno.EPERM: RIGHTS,
+    errno.EROFS: "copy it to a disk that can be written, and repair it there",
+}
 MESSAGE_INDEX = struct.Struct("<BQHI")  # a record's head, its channel, and the length of the rows that follow
 
 
@@ -47,7 +59,8 @@ def repair(path: Path, rest: Path | None = None, show: ShowBytes = lambda _done,
     except FileExistsError as error:
         raise RecordingError(f"{path} cannot be repaired: {rest} is there already; move it away") from error
     except OSError as error:
-        raise RecordingError(f"{path} cannot be repaired: {error.strerror}; free some space, or its rights") from error
+        cure = CURES.get(error.errno or 0, "copy it to another disk, and repair it there")
+        raise RecordingError(f"{path} cannot be repaired: {error.strerror}; {cure}") from error
     except BROKEN as error:
         cure = "get it again from where it was recorded"
         raise RecordingError(f"{path} cannot be repaired: {error or type(error).__name__}; {cure}") from error

@@ -48,6 +48,8 @@ class ImportRequest:
 def import_arm(request: ImportRequest, show: ShowProgress) -> list[str]:
     """Write all files, and return what was done as lines; ModelError or ConfigError name what stands against it."""
     places, source = Places.around(request.out, request.urdf), str(request.urdf)
+    if request.urdf.is_dir():  # before the name of what is written, which comes of it, is found wrong
+        raise ModelError(f"{request.urdf} is a folder; give the path of a URDF file")
     places.check(request.urdf)
     robot = with_free_names(read_description(read_urdf(request.urdf), source), NAMES)
     arm = choose_arm(robot, request.tool, request.base, request.positions)
@@ -84,8 +86,11 @@ def _design(arm: ChosenArm, request: ImportRequest, show: ShowProgress) -> Desig
         return prepare(arm, covered, find, hulls, turned=turned, jerk=request.jerk)
 
     with tempfile.TemporaryDirectory(prefix="farhand-") as folder:
-        load = partial(_load, Path(folder) / "arm.urdf")
-        return design(prepared, load, request.points, show, jerk_given=request.jerk is not None)
+        written = Path(folder) / "arm.urdf"
+        try:
+            return design(prepared, partial(_load, written), request.points, show, jerk_given=request.jerk is not None)
+        except ModelError as error:  # of what the maker's file has become
+            raise ModelError(str(error).replace(str(written), str(request.urdf))) from error
 
 
 def _load(path: Path, prepared: PreparedArm) -> LoadedArm:

@@ -1,7 +1,8 @@
 """Asks the remote site to let the arm follow the hand or to end that, to stop it, and to reset it."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 
 from common.clock import NS_PER_MS
@@ -13,7 +14,9 @@ from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.link.transport import Link
 from common.messages.requests import EngagementAction, Reply
+from common.messages.robot import SessionState
 from farhand.authority.asking import link_to, newest_state, remote_at
+from farhand.interruption import NOT_STOPPED
 from local_site.authority.config import host_operator
 
 RESET_FIRST = ("stopped", "fault", "robot_not_ready")
@@ -57,26 +60,32 @@ def request_stop(cell: str, endpoint: str, operator: str = "", security: LinkSec
     cannot be asked, InterruptionError after Ctrl-C; all name the emergency stop.
     """
     began_ns = time.monotonic_ns()
-    try:
+    with or_unacknowledged():
         name = check_cell_name(operator or host_operator(), "operator")
         with link_to(cell, remote_at(endpoint), security=security) as link:
             client = RequestClient(link, cell, operator=name)
             reply = ask_engagement(client, EngagementAction.STOP, maintenance=not link.may_ask(STOP))
-    except ConfigError as error:
-        raise ConfigError(unacknowledged(str(error))) from error
-    except FarhandError as error:
-        raise TransportError(unacknowledged(str(error))) from error
-    except KeyboardInterrupt as error:
-        raise InterruptionError(unacknowledged("interrupted before an answer came")) from error
-    if not reply.done:
-        raise TransportError(unacknowledged(f"{reply.reason} ({reply.code})"))
+        if not reply.done:
+            raise TransportError(f"{reply.reason} ({reply.code})")
     took_ms, at = (time.monotonic_ns() - began_ns) / NS_PER_MS, datetime.now(UTC)
     return f"STOP acknowledged at {at:%H:%M:%S} UTC, after {took_ms:.0f} ms: {reply.reason}{TO_RESET}"
 
 
-def unacknowledged(why: str) -> str:
-    """What to say of a stop that the remote site has not acknowledged."""
-    return f"STOP NOT ACKNOWLEDGED: the arm may still move, use the emergency stop. {why}"
+@contextmanager
+def or_unacknowledged() -> Iterator[None]:
+    """Says of whatever keeps a stop from its acknowledgement, Ctrl-C too, that it has none."""
+    try:
+        yield
+    except ConfigError as error:
+        raise ConfigError(_unacknowledged(str(error))) from error
+    except FarhandError as error:
+        raise TransportError(_unacknowledged(str(error))) from error
+    except KeyboardInterrupt as error:
+        raise InterruptionError(_unacknowledged("interrupted before an answer came")) from error
+
+
+def _unacknowledged(why: str) -> str:
+    return f"{NOT_STOPPED} {why}"
 
 
 def _ask_as_operator(
@@ -118,5 +127,6 @@ def _look(link: Link, cell: str, action: EngagementAction, tell: Callable[[str],
         return 0
     state = newest_state(link, cell)
     if action is EngagementAction.RESET:
-        tell(f"to reset: {state.reason}")
+        is_barred = state.state is not SessionState.DISENGAGED or state.code in RESET_FIRST
+        tell(f"{'to reset' if is_barred else 'nothing to reset'}: {state.reason}")
     return state.halted_ns

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from farhand.calibration.points import Calibrated
     from local_site.config import LocalConfig
 
-RigFile = Annotated[Path, typer.Option(help="Rig file to write.")]
+RigFile = Annotated[Path, typer.Option(help="Rig file to write, which does not exist yet.")]
 Serials = Annotated[list[str] | None, typer.Option(help="A camera's serial number, as left=NUMBER.")]
 LeftPictures = Annotated[str, typer.Option(help="Folder, quoted pattern such as 'left_*.png', or video; by name.")]
 RightPictures = Annotated[str, typer.Option(help="The same for the right camera, taken at the same instants.")]
@@ -27,7 +27,9 @@ Standing = Annotated[bool, typer.Option("--standing", help="The board is upright
 CameraConfigFile = Annotated[
     Path | None, typer.Option("--config", help="A local site's TOML file: how its section 'operator' sets the cameras.")
 ]
-FoundPictures = Annotated[Path | None, typer.Option(help="Folder for what was found and covered, as PNG.")]
+FoundPictures = Annotated[
+    Path | None, typer.Option(help="Folder for what was found and covered, as PNG; earlier ones are replaced.")
+]
 
 calibrate_app = typer.Typer(
     help="Compute a rig from measurements.\n\nExample: farhand calibrate points control_points.csv",
@@ -48,9 +50,9 @@ def calibrate_points_command(
     Example: farhand calibrate points control_points.csv --out rig.json
     """
     from farhand.calibration.points import calibrate_points, parse_pair, solvable
-    from farhand.outputs import check_file
+    from farhand.outputs import check_new_file
 
-    check_file("--out", out, [csv])
+    check_new_file("--out", out, [csv])
     parsed = None if size is None else parse_pair(size, "--size")
     with solvable():
         _tell_rig(calibrate_points(csv, out, parsed, serial or ()), as_json=as_json)
@@ -84,12 +86,12 @@ def calibrate_images_command(
     from farhand.calibration.boards import calibrate_board_pictures, make_board
     from farhand.calibration.pictures import PictureJob, by_name, calibrate_plate, parse_heights
     from farhand.calibration.points import parse_pair, solvable
-    from farhand.outputs import check_file, check_folder
+    from farhand.outputs import check_folder, check_new_file
     from farhand.terminal import progress_bar
     from local_site.calibration.plate import Plate
 
     sources = by_name((left, right, third, fourth))
-    check_file("--out", out, sources.values())
+    check_new_file("--out", out, sources.values())
     check_folder("--pictures", pictures, sources.values())
     job = PictureJob(sources, out, pictures, serial or ())
     if board == "plate":
@@ -132,10 +134,10 @@ def calibrate_live_command(
     from farhand.calibration.cameras import configured_cameras
     from farhand.calibration.pictures import PictureJob, by_name
     from farhand.calibration.points import parse_pair
-    from farhand.outputs import check_file, check_folder
+    from farhand.outputs import check_folder, check_new_file
 
     sources = by_name((left, right, third, fourth))
-    check_file("--out", out, sources.values())
+    check_new_file("--out", out, sources.values())
     check_folder("--pictures", pictures, sources.values())
     printed = make_board(board, parse_pair(squares, "--squares"), square_mm, marker_mm, dictionary)
     job = PictureJob(sources, out, pictures, serial or (), configured_cameras(_site_of(config), list(sources)))

@@ -27,7 +27,7 @@ from farhand.terminal import complain, progress_bar, say, tell, tell_done
 if TYPE_CHECKING:
     from common.recording.repair import Repaired
 
-MB = 1_000_000
+KB, MB = 1_000, 1_000_000
 record_app = typer.Typer()
 episode_app = typer.Typer(
     help="Begin and end episodes of a recording, and say how they went.\n\nExample: farhand episode begin",
@@ -100,7 +100,12 @@ def _repair(file: Path, rest: Path) -> "Repaired":
     from common.recording.repair import repair
 
     with progress_bar() as show:
-        return repair(file, rest, lambda done, size: show(f"{file.name}, MB", done // MB, size // MB))
+
+        def show_bytes(done: int, size: int) -> None:
+            unit, name = (MB, "MB") if size > MB else (KB, "kB")
+            show(f"{file.name}, {name}", -(-done // unit), -(-size // unit))
+
+        return repair(file, rest, show_bytes)
 
 
 @record_app.command("start")

@@ -2,6 +2,7 @@
 
 import tempfile
 from dataclasses import asdict
+from itertools import count
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +10,7 @@ import typer
 
 from common.errors import ConfigError
 from farhand.commands.options import AsJson, ConfigFile, Settings, load_own, until_signal
-from farhand.terminal import say, tell
+from farhand.terminal import progress_bar, say, tell
 
 
 def replay(
@@ -61,17 +62,13 @@ def replay(
 
 
 def _verify(file: Path, folder: Path, *, as_json: bool) -> None:
-    from rich.console import Console
-    from rich.progress import Progress
-
     from farhand.exit_codes import FAILED
     from farhand.replay.recorded_cycles import cycle_count, other_release, recorded_cycles, recorded_pipeline
     from farhand.replay.verify import verify
 
-    with Progress(console=Console(stderr=True)) as bar:
-        pipeline = recorded_pipeline(file, folder)
-        task = bar.add_task("verifying", total=cycle_count(file))
-        verdict = verify(recorded_cycles(file), pipeline, lambda: bar.advance(task))
+    with progress_bar() as show:
+        pipeline, total, done = recorded_pipeline(file, folder), cycle_count(file), count(1)
+        verdict = verify(recorded_cycles(file), pipeline, lambda: show("verifying", next(done), total))
     is_same = verdict.difference is None
     words = verdict.in_words() if is_same else verdict.in_words(other_release(file))
     tell([words], {"is_same": is_same, **asdict(verdict)}, as_json=as_json)

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from common.errors import ConfigError
 from farhand.commands.options import AsJson, CellName, LinksFile, LocalEndpoint, RemoteEndpoint, console_config
 from farhand.terminal import aside, tell, tell_done
 
@@ -96,12 +95,10 @@ def stop_arm(
 
     Example: farhand stop --cell cell
     """
-    from farhand.authority.engage import request_stop, unacknowledged
+    from farhand.authority.engage import or_unacknowledged, request_stop
 
-    try:
+    with or_unacknowledged():
         links = console_config(config, cell=cell, control=at)
-    except ConfigError as error:
-        raise ConfigError(unacknowledged(str(error))) from error
     tell_done(request_stop(links.cell, links.links.control, operator or links.name, links.links), as_json=as_json)
 
 
@@ -175,9 +172,14 @@ def _act_on_lease(
 def stop(cell: CellName = "", at: RemoteEndpoint = "", config: LinksFile = None, as_json: AsJson = False) -> None:
     """Stop the arm and refuse every engagement until it is reset; needs no lease.
 
+    If it is not acknowledged the exit code is 1, as of 'farhand stop': use the emergency stop, which this never is.
+
     Example: farhand maintenance stop --config /etc/farhand/maintenance.toml
     """
-    _request_maintenance("stop", cell, at, config, as_json=as_json)
+    from farhand.authority.engage import or_unacknowledged
+
+    with or_unacknowledged():
+        _request_maintenance("stop", cell, at, config, as_json=as_json)
 
 
 @maintenance_app.command("reset")

@@ -26,7 +26,9 @@ def loopback(
         int | None,
         typer.Option(min=0, max=65535, help="Where the page is served, 0: anywhere; else 8470, or anywhere if taken."),
     ] = None,
-    report: Annotated[Path | None, typer.Option(help="Write all figures to this JSON file.")] = None,
+    report: Annotated[
+        Path | None, typer.Option(help="Write all figures to this JSON file; an earlier one is replaced.")
+    ] = None,
     config: Annotated[
         list[Path] | None,
         typer.Option(
@@ -53,7 +55,9 @@ def loopback(
         ),
     ] = None,
     emulate: Emulate = False,
-    save_views: Annotated[Path | None, typer.Option(help="Folder for the last views, as PNG.")] = None,
+    save_views: Annotated[
+        Path | None, typer.Option(help="Folder for the last views, as PNG; earlier ones are replaced.")
+    ] = None,
     record: Annotated[Path | None, typer.Option(help="Record the run into this new MCAP file.")] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -49,7 +49,9 @@ def remote(
 def local(
     config: ConfigFile = None,
     settings: Settings = None,
-    save_views: Annotated[Path | None, typer.Option(help="Folder for the last annotated views, as PNG.")] = None,
+    save_views: Annotated[
+        Path | None, typer.Option(help="Folder for the last annotated views, as PNG; earlier ones are replaced.")
+    ] = None,
     log_format: LogLines = LogFormat.TEXT,
 ) -> None:
     """Start the operator's side: track the arm and publish it.

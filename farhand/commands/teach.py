@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from common.errors import ConfigError
 from farhand.commands.options import AsJson, ConfigFile, Settings, load_own, until_signal
 from farhand.terminal import show_table, tell
 
@@ -34,14 +33,12 @@ def extract(
 
     Example: farhand teach extract recordings/20260102T030405Z_cell_001.mcap --episode 3 --out task.toml
     """
-    from farhand.outputs import check_file, write_result
+    from farhand.outputs import check_new_file, write_result
     from farhand.teach.extraction import extracted
     from farhand.teach.run import frame_from
     from farhand.teach.writing import as_toml
 
-    if out.exists():
-        raise ConfigError(f"--out {out} exists already; give a new file")
-    check_file("--out", out, [file])
+    check_new_file("--out", out, [file])
     with tempfile.TemporaryDirectory() as folder:
         task = extracted(file, Path(folder), episode, tolerance_mm, tolerance_deg, frame_from(frame))
     write_result(out, as_toml(task).encode())
@@ -53,7 +50,9 @@ def extract(
 @teach_app.command("show")
 def show(
     file: TaskPath,
-    out: Annotated[Path | None, typer.Option(help="A picture of the path as well, as PNG.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="A picture of the path as well, as PNG; an earlier one is replaced.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Print a task's way points, with when the tool is at each of them, and draw its path.

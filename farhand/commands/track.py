@@ -32,7 +32,7 @@ def track(
     also: Annotated[
         list[str] | None, typer.Option(help="A third, and given again a fourth camera, in the rig's order.")
     ] = None,
-    out: Annotated[Path, typer.Option(help="JSON lines to write.")] = Path("track.jsonl"),
+    out: Annotated[Path, typer.Option(help="JSON lines to write; an earlier track is replaced.")] = Path("track.jsonl"),
     fps: Annotated[
         float | None, typer.Option(help="Frame rate, 0.1 to 1000, where the sources do not state it, or a wrong one.")
     ] = None,
@@ -44,14 +44,22 @@ def track(
     tracker: Annotated[
         Method | None, typer.Option(help=f"{TRACKER_HELP} The same as --set tracking.method=NAME.")
     ] = None,
-    annotate: Annotated[Path | None, typer.Option(help="Folder for annotated pairs, as PNG.")] = None,
+    annotate: Annotated[
+        Path | None, typer.Option(help="Folder for annotated pairs, as PNG; earlier ones are replaced.")
+    ] = None,
     video: Annotated[
-        Path | None, typer.Option(help="Video of the annotated pairs (.mp4), all views side by side.")
+        Path | None,
+        typer.Option(help="Video of the annotated pairs (.mp4), all views side by side; an earlier one is replaced."),
     ] = None,
     report: Annotated[
-        Path | None, typer.Option(help="Folder for report.html: tables, plots and the worst pairs. Needs matplotlib.")
+        Path | None,
+        typer.Option(
+            help="Folder for report.html: tables, plots, the worst pairs; an earlier one is replaced. Needs matplotlib."
+        ),
     ] = None,
-    csv: Annotated[Path | None, typer.Option(help="CSV to write, a row per instant.")] = None,
+    csv: Annotated[
+        Path | None, typer.Option(help="CSV to write, a row per instant; an earlier one is replaced.")
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Track a recording or one to four cameras, one JSON line per instant; causal, unsmoothed.

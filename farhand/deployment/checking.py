@@ -18,7 +18,7 @@ BUILT_OF = ("robot", "model"), ("robot", "tool_frame"), ("driver", "name")  # wi
 
 @dataclass(frozen=True, slots=True)
 class CheckedFile:
-    """A file, the command that it is for (empty where it cannot be read), and what is wrong with it."""
+    """A file, the command that it is for (empty where that cannot be known), and what is wrong with it."""
 
     file: Path
     command: str
@@ -26,12 +26,16 @@ class CheckedFile:
 
     def in_words(self) -> list[str]:
         """A line for each mistake, or one that there is none."""
+        if not self.command and not self.mistakes:
+            return [f"{self.file}: empty, so that every default counts; to begin one: farhand config show remote"]
         return self.mistakes or [f"{self.file}: no mistake; for this file: farhand {self.command} --config {self.file}"]
 
 
 def check_file(path: Path) -> CheckedFile:
-    """Every mistake of a file; an empty one is taken for a remote site's."""
+    """Every mistake of a file."""
     try:
+        if not read_tables(path):
+            return CheckedFile(path, "", [])
         kind = _kind_of(path)
         return CheckedFile(path, COMMANDS[kind], _mistakes(kind, path))
     except ConfigError as error:

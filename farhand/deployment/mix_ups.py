@@ -27,8 +27,9 @@ def mix_up(path: Path, *wanted: type[Configuration]) -> str:
     if set(kinds) & set(wanted):
         return ""
     own, names = " or ".join(KINDS[kind] for kind in kinds), " or ".join(KINDS[kind] for kind in wanted)
+    shown = " or ".join(f"'farhand config show {COMMANDS[kind]}'" for kind in wanted)
     return (
         f"{path} is a file of the {own}; this command takes one of the {names}\n"
         f"for this file: farhand {COMMANDS[kinds[0]]} --config {path}\n"
-        f"for this command: a file as 'farhand config show {COMMANDS[wanted[0]]}' prints it"
+        f"for this command: a file as {shown} prints it"
     )

@@ -4,16 +4,17 @@ from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from common.config import apply_setting, load_config, read_tables
+from common.config import CURE_UNREAD, apply_setting, load_config, read_tables
 from common.errors import ConfigError, ConfigFileError, TransportError
 from common.link.config import LinkSecurity, TlsConfig, ViewersConfig
-from common.link.credentials import check_viewers
+from common.link.credentials import TABLE, check_viewers
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
 from farhand.doctor import arm, cameras, landmarks, machine, site
 from farhand.doctor.findings import Finding, error, ok
 from farhand.doctor.link.run import examine_link
+from farhand.router import TLS_TABLE as ROUTERS_TLS
 from farhand.router import VIEWERS_TABLE as ROUTERS_VIEWERS
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
@@ -68,9 +69,9 @@ def examine_link_of(path: Path | None, settings: Sequence[str]) -> list[Finding]
 
 def _mistakes(wrong: ConfigError) -> list[Finding]:
     """A finding for each mistake of a configuration."""
-    unread = isinstance(wrong, ConfigFileError)
-    cure = "give the path of a file that is there and may be read" if unread else "correct that line"
-    return [error("configuration", line, cure) for line in str(wrong).splitlines()]
+    if isinstance(wrong, ConfigFileError):
+        return [error("configuration", str(wrong).removesuffix(f"; {CURE_UNREAD}"), CURE_UNREAD)]
+    return [error("configuration", line, "correct that line") for line in str(wrong).splitlines()]
 
 
 def _sites_of(setting: str, kinds: Sequence[type[Configuration]]) -> list[type[Configuration]]:
@@ -98,7 +99,7 @@ def examine_config(config: Configuration) -> list[Finding]:
         return examine_local(config)
     if isinstance(config, ConsoleConfig):
         return _examine_links(config.links, config.links.endpoints, *config.bearers)
-    findings = [*_examine_links(config, config.listen, config.bearer), *site.check_operators(config)]
+    findings = [*_examine_links(config, config.listen, config.bearer, table=ROUTERS_TLS), *site.check_operators(config)]
     return [*findings, *_examine_viewers(config.viewers, config.tls, config.bearer, ROUTERS_VIEWERS)]
 
 
@@ -160,7 +161,9 @@ def _examine_cameras(rig: cameras.RigFacts, config: LocalConfig) -> list[Finding
     return [*map(cameras.check_camera, probed), *cameras.check_sizes(rig, probed), *colours]
 
 
-def _examine_links(links: LinkSecurity, endpoints: Sequence[str], *bearers: Identity) -> list[Finding]:
+def _examine_links(
+    links: LinkSecurity, endpoints: Sequence[str], *bearers: Identity, table: str = TABLE
+) -> list[Finding]:
     """The endpoints, and the certificate where there is one: it must name one of the bearers."""
     findings = []
     for endpoint in endpoints:
@@ -169,7 +172,7 @@ def _examine_links(links: LinkSecurity, endpoints: Sequence[str], *bearers: Iden
         except TransportError as refused:
             findings.append(error("links", str(refused), "correct the table [links]"))
     if links.tls.is_given:
-        facts = site.probe_certificate(links.tls, datetime.now(UTC))
+        facts = site.probe_certificate(links.tls, datetime.now(UTC), table)
         names = [bearer.common_name for bearer in bearers]
         findings += site.check_certificate(facts, facts.names if facts.names in names else names[0])
     return findings

@@ -143,7 +143,8 @@ def probe_certificate(tls: TlsConfig, now: datetime, table: str = TABLE) -> Cert
 def check_certificate(facts: CertificateFacts, expected: str) -> list[Finding]:
     """It is valid now and for a while, it is for this site (`expected`), and no other user can read its key."""
     if facts.problem:
-        return [error("certificate", facts.problem, RENEW)]
+        sentence, _, cure = facts.problem.partition("; ")
+        return [error("certificate", sentence, cure or RENEW)]
     findings = [_check_expiry("certificate", f"{facts.path} of {facts.names}", facts.days_left, RENEW)]
     if facts.authority_days_left < EXPIRES_SOON_DAYS:
         cure = "make a new authority in a new folder: farhand certificates create CELL --dir NEW, for all hosts at once"

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from common.errors import ExportError, InterruptionError
+from common.errors import ConfigError, ExportError, InterruptionError
 from farhand.export.session import RecordedSession
 from farhand.outputs import make_folder
 
@@ -18,7 +18,7 @@ def written_each(
     make_folder("--out", out)
     paths = [out / f"{session.facts.name}{suffix}" for session in sessions]
     if existing := [str(path) for path in paths if path.exists()]:
-        raise ExportError(f"never written over: {', '.join(existing)}; give another --out, or remove it first")
+        raise ConfigError(f"never written over: {', '.join(existing)}; give another --out, or remove it first")
     if len(set(paths)) < len(paths):
         raise ExportError("two sessions have the same name; export them into folders of their own")
     for session, path in zip(sessions, paths, strict=True):

@@ -1,26 +1,21 @@
 """Records every hand sample, robot state and camera frame of a loopback for its figures."""
 
-import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TypeVar
 
 from common.cameras.camera import Image
+from common.link.channel_feeds import ChannelFeeds
 from common.link.channels import ANY, CAMERA, HAND, KEY_FRAMES, STATE
-from common.link.pubsub import Latest, Publisher
+from common.link.pubsub import Publisher
 from common.link.transport import Link
-from common.messages.base import Message
 from common.messages.hand import HandArm
 from common.messages.robot import RobotState
 from common.messages.video import CameraStatus, Codec, KeyFrameRequest, VideoFrame
 from farhand.loopback.picture_decoder import PictureDecoder
 
-M = TypeVar("M", bound=Message)
-
 DECODE_EVERY = 5
-JOIN_TIMEOUT_S = 2.0
 
 
 @dataclass
@@ -74,14 +69,14 @@ class Recorder:
 
     def __init__(self, control: Link, video: Link, cell: str, cameras: tuple[str, ...], operator: str = ANY) -> None:
         self.record = Record(cameras={name: CameraRecord() for name in cameras})
-        self._threads: list[threading.Thread] = []
-        self._listen(control.latest(HAND, cell, operator=operator), self._hand)
-        self._listen(control.latest(STATE, cell), self._state)
+        self._feeds = ChannelFeeds()
+        self._feeds.add(control.latest(HAND, cell, operator=operator), self._hand)
+        self._feeds.add(control.latest(STATE, cell), self._state)
         key_frames = video.publisher(KEY_FRAMES, cell) if cameras else None
         for name, camera in self.record.cameras.items():
             if key_frames is not None:
                 camera.ask = partial(_ask, key_frames, name)
-            self._listen(video.latest(CAMERA, cell, name), camera.add)
+            self._feeds.add(video.latest(CAMERA, cell, name), camera.add)
 
     def _hand(self, hand: HandArm, now_ns: int) -> None:
         self.record.hands.append(hand)
@@ -91,15 +86,9 @@ class Recorder:
         self.record.states.append(state)
         self.record.last_state_ns = now_ns
 
-    def _listen(self, latest: Latest[M], take: Callable[[M, int], None]) -> None:
-        thread = threading.Thread(target=latest.feed, args=(take,), daemon=True)
-        thread.start()
-        self._threads.append(thread)
-
     def join(self) -> None:
-        """Wait for the threads once the links are closed: one that wakes while Python ends aborts the process."""
-        for thread in self._threads:
-            thread.join(JOIN_TIMEOUT_S)
+        """Wait for the threads once the links are closed."""
+        self._feeds.join()
 
 
 def _ask(key_frames: Publisher[KeyFrameRequest], camera: str, after_seq: int) -> None:

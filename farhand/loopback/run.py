@@ -27,7 +27,7 @@ from farhand.loopback.rendering import explained
 from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import SiteProcess, listens, start_site
 from farhand.loopback.slowness import too_slow
-from farhand.outputs import check_file, check_folder
+from farhand.outputs import check_file, check_folder, check_new_file
 from farhand.terminal import aside, tell
 from farhand.tracking.run import prepare_tracker
 from local_site.acquisition.simulated_cameras import Beginning
@@ -274,8 +274,8 @@ def run_loopback(
     if options.report is not None:
         check_file("--report", options.report)
     check_folder("--save-views", options.save_views)
-    if options.record is not None and options.record.exists():
-        raise ConfigError(f"--record {options.record} exists already; give a new file")
+    if options.record is not None:
+        check_new_file("--record", options.record)
     loop = Loopback(options, should_stop, shows)
     try:
         figures = loop.run()

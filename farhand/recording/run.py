@@ -8,13 +8,14 @@ from pathlib import Path
 import structlog
 
 from common.config import apply_setting, load_config, read_tables
-from common.errors import ConfigError, FarhandError, RecordingError
+from common.errors import ConfigError, FarhandError
 from common.process.log import LogFormat, log_end, start_log
 from common.process.service import StopFlag, be_nice
 from common.recording.folder import make_private, recordings_folder
 from common.recording.session import RecordingPlan
 from farhand.deployment.kinds import known_keys
 from farhand.deployment.mix_ups import mix_up
+from farhand.outputs import check_new_file
 from local_site.config import LocalConfig
 from remote_site.config import RemoteConfig
 
@@ -33,22 +34,21 @@ def run_recorder(
 ) -> None:
     """Record until asked to stop, into the folder `out`, by default the configured one, or all into one `file`.
 
-    RecordingError for a folder that cannot be written, or that others may look into, and for a file that exists.
+    ConfigError for a folder that cannot be written, or that others may look into, and for a file that exists.
     """
+    loaded = load_site(config, settings)
+    folder = out or recordings_folder(loaded.record.folder, FOLDERS[type(loaded)])
+    if file is None:
+        make_private(folder)
+    else:
+        check_new_file("--file", file)
     start_log("record", log_format)
-    log = structlog.get_logger()
+    be_nice(NICE)
+    plan = RecordingPlan(folder, loaded.cell, f"farhand {version('farhand')}", loaded.record, file)
     try:
-        loaded = load_site(config, settings)
-        folder = out or recordings_folder(loaded.record.folder, FOLDERS[type(loaded)])
-        if file is None:
-            make_private(folder)
-        elif file.exists():
-            raise RecordingError(f"{file} exists already; give a new file")
-        be_nice(NICE)
-        plan = RecordingPlan(folder, loaded.cell, f"farhand {version('farhand')}", loaded.record, file)
         _record(loaded, plan, date, should_stop)
     except FarhandError as error:
-        log.error("ending", reason=str(error))
+        structlog.get_logger().error("ending", reason=str(error))
         raise
     log_end()
 

@@ -1,22 +1,18 @@
 """Watches a cell over its links, and shows its status until asked to stop, or once."""
 
-import threading
 import time
-from collections.abc import Callable
 from contextlib import ExitStack
 from importlib.metadata import version
-from typing import TypeVar
 
 from rich.console import Console
 from rich.live import Live
 
 from common.clock import NS_PER_MS
 from common.errors import InterruptionError, TransportError
+from common.link.channel_feeds import ChannelFeeds
 from common.link.channels import CAMERA, DESCRIBE, STATE, ChannelSession
-from common.link.pubsub import Latest
 from common.link.remote_clock import RemoteClock
 from common.link.transport import Link, open_link
-from common.messages.base import Message
 from common.messages.requests import DescribeQuestion
 from common.messages.robot import VideoTrouble
 from common.process.service import StopFlag
@@ -27,11 +23,8 @@ from farhand.status.words import as_builtins, rows_of
 from farhand.terminal import say, tell
 from local_site.console.config import ConsoleConfig
 
-M = TypeVar("M", bound=Message)
-
 PATIENCE_S = 5.0
 REFRESH_S = 0.25
-JOIN_S = 1.0
 NARROW = "not counted since the link was narrow: counting takes as much of it as a page"
 
 
@@ -40,15 +33,15 @@ class StatusWatch:
 
     def __init__(self, config: ConsoleConfig, stack: ExitStack) -> None:
         self._config, self._stack = config, stack
-        self._threads: list[threading.Thread] = []
-        stack.callback(self._join)  # once the links are closed
+        self._feeds = ChannelFeeds()
+        stack.callback(self._feeds.join)  # once the links are closed
         asked = remote_at(config.links.control)
         self._control = control = stack.enter_context(link_to(config.cell, asked, security=config.links))
         self._clock = RemoteClock(control, config.cell)
         self._video: Link | None = None
         self._counts = False
         self.seen = Observed(config.links.control, config.cell)
-        self._listen(control.latest(STATE, config.cell), self.seen.take_state)
+        self._feeds.add(control.latest(STATE, config.cell), self.seen.take_state)
 
     def measure(self, *, pictures: bool) -> None:
         """One round trip; then what is not known yet of the cell, and its pictures, unless its link is narrow."""
@@ -81,7 +74,7 @@ class StatusWatch:
         self._video = self._stack.enter_context(video)
         self.seen.expect(names)
         for name, camera in self.seen.cameras.items():
-            self._listen(video.latest(CAMERA, self._config.cell, name), camera.take)
+            self._feeds.add(video.latest(CAMERA, self._config.cell, name), camera.take)
 
     def _leave_pictures(self, why: str) -> None:
         if self._video is not None:
@@ -89,16 +82,6 @@ class StatusWatch:
         self._counts = True
         self.seen.expect(())
         self.seen.pictures = why
-
-    def _join(self) -> None:
-        """A thread that wakes while Python ends would abort the process."""
-        for thread in self._threads:
-            thread.join(JOIN_S)
-
-    def _listen(self, latest: Latest[M], take: Callable[[M, int], None]) -> None:
-        thread = threading.Thread(target=latest.feed, args=(take,), daemon=True)
-        thread.start()
-        self._threads.append(thread)
 
 
 def show_status(config: ConsoleConfig, should_stop: StopFlag, console: Console, *, once: bool, pictures: bool) -> None:

@@ -129,7 +129,9 @@ class Authority:
         if no_quic:
             tell_by_tls(self._link, self._cell, self._policy.operator, no_quic)
         cure = no_quic or self._link.why_silent() or "start it, and check the cell and the endpoint"
-        structlog.get_logger().warning("the remote site does not answer", cell=self._cell, cure=cure)
+        structlog.get_logger().warning(
+            "the remote site does not answer", cell=self._cell, endpoint=self._link.leads_to, cure=cure
+        )
 
     def _is_described(self) -> bool:
         """Ask for the cell's description once, so that another protocol is noticed before anything moves."""

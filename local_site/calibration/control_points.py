@@ -45,7 +45,12 @@ def read_control_points(path: Path, size: Size | None = None) -> ControlPoints:
     """Read a control point file of two to four cameras; CalibrationError lists every mistake with line and cure."""
     try:
         rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except OSError as error:
+        why = f"{error.strerror}; give the path of a CSV file that is there and may be read"
+        raise CalibrationError(f"cannot read control points from {path}: {why}") from error
+    except UnicodeDecodeError as error:
+        raise CalibrationError(f"{path} is not UTF-8 text; save it as CSV in UTF-8") from error
+    except csv.Error as error:
         raise CalibrationError(f"cannot read control points from {path}: {error}; give a CSV text file") from error
     header = tuple(cell.strip() for cell in rows[0]) if rows else ()
     if header not in HEADERS:

@@ -19,6 +19,7 @@ from common.messages.robot import RobotState, SessionState
 from common.messages.video import Codec, VideoFrame
 from common.recording import foxglove
 from common.recording.asked_recording import AskedRecording
+from common.recording.awaited_site import AwaitedSite
 from common.recording.guarded import GuardedRecording
 from common.recording.hand_transcript import HandTranscript, add_log
 from common.recording.session import RecordingSession
@@ -66,6 +67,7 @@ class OperatorRecorder:
         self._said: tuple[str, str] | None = None
         self._notice_ns = -NOTICE_NS
         self._site_ns = -SITE_GONE_NS
+        self._awaited = AwaitedSite("local", config.cell, config.links.listen)
 
     def step(self, now_ns: int) -> RecordingNotice | None:
         """Obey, keep what has come, flush; what to tell the console, if it is time."""
@@ -76,7 +78,9 @@ class OperatorRecorder:
         if recording.is_due:
             self._begin(now_ns)
         self._keep()
-        if now_ns - self._site_ns > SITE_GONE_NS:
+        is_there = now_ns - self._site_ns <= SITE_GONE_NS
+        self._awaited.note(is_there=is_there)
+        if not is_there:
             recording.forget_requests()
         if recording.is_over:
             self.end(now_ns)

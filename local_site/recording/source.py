@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import NamedTuple, Self, TypeVar
 
 from common.errors import MessageError
+from common.link.channel_feeds import ChannelFeeds
 from common.link.channels import HAND, PREVIEW, RECORD_ORDER, STATE, Channel
 from common.link.endpoints import from_this_host
 from common.link.pubsub import Latest
@@ -22,7 +23,6 @@ from local_site.config import LocalConfig
 
 M = TypeVar("M", bound=Message)
 
-JOIN_S = 0.5
 LOOK_S = 0.01
 MOST_WAITING = 20_000  # messages; a recorder that stands still for minutes must not fill the memory
 
@@ -49,7 +49,9 @@ class OperatorSource:
         self.link = open_link(connect=connect, security=config.links, tap=self._heard)
         self._orders = self.link.latest(RECORD_ORDER, self._cell, operator=self._operator)
         self._views: HeardViews | None = None
-        self._threads = [self._listen(HAND), self._listen(STATE)]
+        self._feeds = ChannelFeeds()
+        self._empty(HAND)
+        self._empty(STATE)
 
     def __enter__(self) -> Self:
         return self
@@ -59,8 +61,7 @@ class OperatorSource:
     ) -> None:
         self.hear_views(wanted=False)
         self.link.close()
-        for thread in self._threads:
-            thread.join(JOIN_S)
+        self._feeds.join()
 
     def take(self) -> Iterator[HeardMessage]:
         """What has been heard since the last call."""
@@ -91,11 +92,10 @@ class OperatorSource:
             self._views.close()
             self._views = None
 
-    def _listen(self, channel: Channel[M]) -> threading.Thread:
+    def _empty(self, channel: Channel[M]) -> None:
+        """Take what comes of a channel: the link's tap has it."""
         latest = self.link.latest(channel, self._cell, operator=self._operator)
-        thread = threading.Thread(target=latest.feed, args=(lambda _message, _t_ns: None,), daemon=True)
-        thread.start()
-        return thread
+        self._feeds.add(latest, lambda _message, _t_ns: None)
 
     def _heard(self, key: str, payload: bytes, *, sent: bool, refused: bool = False) -> None:
         del refused  # it is kept all the same

@@ -1,6 +1,7 @@
 """The arm as its URDF describes it: joints, limits, the tool centre point's pose and Jacobian."""
 
 import math
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -162,12 +163,23 @@ class ArmModel:
         return self.levers(len(self.joint_names), tcp[None])
 
 
+def named_twice(robot: ElementTree.Element) -> str:
+    """What is wrong, and its cure, where two links or two joints of a URDF have one name; else nothing."""
+    for kind in ("link", "joint"):
+        counted = Counter(element.get("name", "") for element in robot.findall(kind))
+        if twice := [name for name, times in counted.items() if times > 1]:
+            return f"two {kind}s are called {twice[0]}; rename one"
+    return ""
+
+
 def _read_joints(path: Path) -> dict[str, ElementTree.Element]:
     """The joint elements by name; ModelError names a joint that pinocchio would refuse without naming it."""
     try:
         root = ElementTree.parse(path).getroot()  # noqa: S314  # the robot model is the site's own
     except (OSError, ElementTree.ParseError) as error:
         raise ModelError(f"cannot read the robot model {path}: {error}; give a URDF file") from error
+    if twice := named_twice(root):
+        raise ModelError(f"{path}: {twice}")
     joints = {joint.get("name", ""): joint for joint in root.findall("joint")}
     for name, joint in joints.items():
         if joint.get("type") in MOVING:

@@ -6,6 +6,7 @@ from common.clock import NS_PER_MS
 from common.messages.recording import RecordingState
 from common.messages.robot import FOLLOWING
 from common.recording.asked_recording import AskedRecording
+from common.recording.awaited_site import AwaitedSite
 from common.recording.guarded import GuardedRecording
 from common.recording.session import RecordingSession
 from remote_site.config import RemoteConfig
@@ -26,11 +27,15 @@ class CellRecorder:
         self._model = load_arm(config.robot)[0]
         self._transcript = Transcript(config, self._model)
         self._told_ns = 0
+        links = config.links
+        self._awaited = AwaitedSite("remote", config.cell, links.control or links.router)
 
     def step(self, now_ns: int) -> None:
         """Attach, obey, keep what has come, flush, and tell."""
         recording = self._recording
-        if not self._site.attend(now_ns):
+        is_there = self._site.attend(now_ns)
+        self._awaited.note(is_there=is_there)
+        if not is_there:
             self.end(now_ns)
             recording.forget_requests()
             return

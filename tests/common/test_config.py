@@ -1,6 +1,7 @@
 """Configuration: all mistakes of a file together, each with its line and cure."""
 
 import tracemalloc
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,7 +17,13 @@ class Inner(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     name: str = "a"
 
 
+class Way(StrEnum):
+    THERE = "there"
+    BACK = "back"
+
+
 class Light(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    way: Way = Way.THERE
     level: Annotated[Annotated[float, msgspec.Meta(gt=0)] | Literal["auto"] | None, msgspec.Meta(description="x")] = (
         None
     )
@@ -89,6 +96,9 @@ def test_tables_by_name_are_read(tmp_path: Path) -> None:
         ("light.left=3", "must be a table: [light.left]"),
         ("lights=3", "must be a table: [lights]"),
         ("lights.level=-1", "-1 is not allowed: give a number > 0.0 (x)"),
+        ("lights.way=foo", "'foo' is not allowed: choose one of there, back"),
+        ("lights.way=bakc", "'bakc' is not allowed: did you mean back?"),
+        ("lights.way=3", "3 is not allowed: choose one of there, back"),
         ("lights.level=[]", "[] is not allowed: choose auto or give a number"),
         ("lights.code=3", '3 is not allowed: give words in quotes, not a whole number (code of four: "MJPG")'),
     ],
@@ -103,6 +113,41 @@ def test_what_is_allowed_is_told(setting: str, told: str) -> None:
 def test_a_setting_that_cannot_be_applied_is_refused(setting: str, tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="--set"):
         load_config(Outer, write(tmp_path, "count = 1\n"), [setting])
+
+
+class Named(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    name: str = "a"
+    low: float = 0.0
+    high: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.name == "B":
+            raise ConfigError("name 'B': use small letters")
+        if self.low > self.high:
+            raise ValueError("low and high are the wrong way round; exchange them")
+
+
+def test_what_a_table_says_of_one_of_its_keys_has_the_line_of_that_key(tmp_path: Path) -> None:
+    path = write(tmp_path, 'low = 0.5\nname = "B"\n')
+    with pytest.raises(ConfigError) as caught:
+        load_config(Named, path)
+    assert str(caught.value) == f"{path}:2: name: 'B': use small letters"
+    with pytest.raises(ConfigError) as caught:
+        load_config(Named, write(tmp_path, "low = 2.0\n"))
+    assert str(caught.value) == f"{path}: low and high are the wrong way round; exchange them"
+
+
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        ("name=B", "--set name: 'B': use small letters"),
+        ("low=2", "--set low and high are the wrong way round; exchange them"),
+    ],
+)
+def test_what_a_setting_makes_wrong_is_told_as_a_settings(setting: str, told: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        load_config(Named, None, [setting])
+    assert str(caught.value) == told
 
 
 def test_a_wrong_setting_is_told_as_such() -> None:

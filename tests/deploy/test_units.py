@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from farhand.exit_codes import MISUSE
+from farhand.exit_codes import INTERRUPTED, MISUSE
 from local_site.tracking.landmarks.model_files import how_to_install, model_folder
 
 DEPLOY = Path(__file__).parents[2] / "farhand" / "deployment"
@@ -45,6 +45,7 @@ def test_a_unit_waits_for_ready_watches_and_gives_up(unit: Path) -> None:
     assert service["User"].startswith("farhand")
     assert service["Restart"] == "on-failure"
     assert int(service["RestartPreventExitStatus"]) == MISUSE
+    assert int(service["SuccessExitStatus"]) == INTERRUPTED
     assert int(sections["Unit"]["StartLimitBurst"]) * float(service["RestartSec"]) < float(
         sections["Unit"]["StartLimitIntervalSec"]
     ), "the limit would never be reached"

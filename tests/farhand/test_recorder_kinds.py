@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from common.errors import RecordingError
+from common.errors import ConfigError
 from common.process.service import StopFlag
 from farhand.deployment.shipped import HERE
 from farhand.recording.run import FOLDERS, load_site, run_recorder
@@ -35,9 +35,19 @@ def test_a_configuration_is_known_by_its_tables(
 
 def test_an_existing_file_is_not_written_over(tmp_path: Path) -> None:
     (tmp_path / "kept.mcap").write_bytes(b"kept")
-    with pytest.raises(RecordingError, match="exists already"):
+    with pytest.raises(ConfigError, match="exists already"):
         run_recorder(None, (), None, tmp_path / "kept.mcap", lambda: pytest.fail("no date is needed"), StopFlag())
     assert (tmp_path / "kept.mcap").read_bytes() == b"kept"
+
+
+@pytest.mark.parametrize("out", ["afile", "afile/within", "/proc/x"])
+def test_a_folder_that_cannot_be_is_refused_once_and_before_anything_begins(
+    out: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "afile").touch()
+    with pytest.raises(ConfigError, match=r"no recording can be kept in .*; give another --out"):
+        run_recorder(None, (), tmp_path / out, None, lambda: pytest.fail("no date is needed"), StopFlag())
+    assert capfd.readouterr().err == ""  # the command line says it
 
 
 def test_the_recorders_of_two_sites_on_one_host_keep_apart() -> None:

@@ -13,6 +13,7 @@ from common.errors import ConfigError, FarhandError, RefusedError, TransportErro
 from common.geometry import Array
 from farhand.cli import main
 from farhand.doctor.findings import as_text, warning
+from farhand.interruption import NOT_STOPPED
 from farhand.loopback.display import LiveSummary, print_table
 from farhand.loopback.recorder import CameraRecord, Record
 from farhand.loopback.run import run_figures
@@ -71,7 +72,8 @@ def test_a_refusal_is_one_harmless_line(
 ) -> None:
     monkeypatch.setattr(REQUESTS[command], refuse)
     run(command, monkeypatch)
-    assert capsys.readouterr().err == f"farhand: {SHOWN}\n"
+    before = f"{NOT_STOPPED} " if command == ("maintenance", "stop") else ""
+    assert capsys.readouterr().err == f"farhand: {before}{SHOWN}\n"
 
 
 def test_a_driver_under_test_says_harmless_lines(

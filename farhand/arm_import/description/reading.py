@@ -27,7 +27,7 @@ from farhand.arm_import.description.elements import (
     UrdfMesh,
     UrdfRobot,
 )
-from remote_site.kinematics.model import ASSUMED
+from remote_site.kinematics.model import ASSUMED, named_twice
 
 Element = ElementTree.Element
 XACRO = "xacro"
@@ -53,11 +53,14 @@ def read_description(text: bytes, source: str) -> UrdfRobot:
         raise ModelError(f"{source} is not XML: {error}; give a URDF file") from error
     if source.endswith(f".{XACRO}") or any(XACRO in element.tag for element in robot.iter()):
         urdf = source.removesuffix(f".{XACRO}").removesuffix(".urdf")
-        raise ModelError(f"{source} is a xacro file; make the URDF of it first: xacro {source} -o {urdf}.urdf")
+        made = f"{urdf}-expanded.urdf" if source == f"{urdf}.urdf" else f"{urdf}.urdf"
+        raise ModelError(f"{source} is a xacro file; make the URDF of it first: xacro {source} -o {made}")
     if robot.tag != "robot":
         kind = "MuJoCo's own format (MJCF)" if robot.tag == "mujoco" else f"<{robot.tag}>"
         raise ModelError(f"{source} is {kind}, not a URDF, whose first element is <robot>; give the arm's URDF")
     _check_names(robot, source)
+    if twice := named_twice(robot):
+        raise ModelError(f"{source}: {twice}")
     colours = {name: rgba for m in robot.findall("material") if (name := m.get("name")) and (rgba := _rgba(m))}
     links = {link.name: link for link in (_link(e, colours, source) for e in robot.findall("link"))}
     joints = tuple(_joint(e, source) for e in robot.findall("joint"))
@@ -93,7 +96,7 @@ def _root(links: dict[str, UrdfLink], joints: tuple[Joint, ...], source: str) ->
     for joint in joints:
         for end in (joint.parent, joint.child):
             if end not in links:
-                raise ModelError(f"{source}: joint {joint.name} joins a link {end!r} that there is not; add the link")
+                raise ModelError(f"{source}: joint {joint.name} names the link {end!r}, which does not exist; add it")
     carried = Counter(joint.child for joint in joints)
     twice = [name for name, times in carried.items() if times > 1]
     if twice:

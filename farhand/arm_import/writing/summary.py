@@ -132,4 +132,4 @@ def _margin(design: Design) -> list[str]:
 
 
 def _angles(degrees: Iterable[float]) -> str:
-    return ", ".join(f"{angle:.0f}" for angle in degrees)
+    return ", ".join(str(round(angle)) for angle in degrees)  # a whole number: never -0

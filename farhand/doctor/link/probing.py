@@ -2,12 +2,12 @@
 
 import secrets
 import time
-from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from threading import Thread
 
 from common.clock import NS_PER_S, Clock, MonotonicClock
 from common.errors import TransportError
+from common.link.channel_feeds import ChannelFeeds
 from common.link.channels import ECHO, LOAD, LOAD_ECHO, PROBE, STATE
 from common.link.config import LinkSecurity
 from common.link.pubsub import Publisher
@@ -57,29 +57,28 @@ def measure_link(
     endpoint: str, security: LinkSecurity, cell: str, operator: str, plan: ProbePlan | None = None
 ) -> LinkFigures:
     """Measure the link at one endpoint; TransportError with the reason where no echo comes, RefusedError as a link."""
-    with open_link(connect=(endpoint,), security=security) as link:
-        prober = LinkProber(link, endpoint, cell, operator, MonotonicClock())
+    with ExitStack() as stack:
+        feeds = ChannelFeeds()
+        stack.callback(feeds.join)  # once the link is closed
+        link = stack.enter_context(open_link(connect=(endpoint,), security=security))
+        prober = LinkProber(link, endpoint, cell, operator, MonotonicClock(), feeds)
         return prober.measure(plan or ProbePlan())
 
 
 class LinkProber:
     """Probes one open link as an operator."""
 
-    def __init__(self, link: Link, endpoint: str, cell: str, operator: str, clock: Clock) -> None:
+    def __init__(self, link: Link, endpoint: str, cell: str, operator: str, clock: Clock, feeds: ChannelFeeds) -> None:
         self._link, self._endpoint, self._clock, self._heard = link, endpoint, clock, HeardProbes()
         self._probes = link.publisher(PROBE, cell, operator=operator)
         self._loads = link.publisher(LOAD, cell, operator=operator)
         heard = self._heard
-        feeds: tuple[Callable[[], None], ...] = (
-            lambda: echoes.feed(lambda echo, now_ns: heard.echoes.append((echo, now_ns))),
-            lambda: load_echoes.feed(lambda echo, now_ns: heard.loads.append((echo, now_ns))),
-            lambda: states.feed(heard.take_state),
-        )
         echoes = link.latest(ECHO, cell, operator=operator)
         load_echoes = link.latest(LOAD_ECHO, cell, operator=operator)
         states = link.latest(STATE, cell)
-        for feed in feeds:
-            Thread(target=feed, daemon=True).start()  # it ends with the link
+        feeds.add(echoes, lambda echo, now_ns: heard.echoes.append((echo, now_ns)))
+        feeds.add(load_echoes, lambda echo, now_ns: heard.loads.append((echo, now_ns)))
+        feeds.add(states, heard.take_state)
 
     def measure(self, plan: ProbePlan) -> LinkFigures:
         """Round trips, jitter and loss, then what the link carries both ways, unless the arm is engaged."""

@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 
 from common.atomic_file import write_atomically
-from common.errors import ExportError, InterruptionError
+from common.errors import ConfigError, ExportError, InterruptionError
 from farhand.export.lerobot.statistics import Histogram
 from farhand.export.videos.h264 import SUFFIX
 
@@ -61,7 +61,7 @@ class Staging:
 
     def __enter__(self) -> Self:
         if self._out.exists() and (not self._out.is_dir() or any(self._out.iterdir())):
-            raise ExportError(f"--out {self._out} exists, and is never written over: give another, or remove it first")
+            raise ConfigError(f"--out {self._out} exists, and is never written over: give another, or remove it first")
         self.folder.mkdir(parents=True, exist_ok=True)
         self._refuse_others()
         self._lock = os.open(self.folder / LOCK, os.O_RDWR | os.O_CREAT, 0o600)
@@ -136,7 +136,7 @@ class Staging:
         """ExportError for a folder of a person's own, in which no export has begun."""
         names = {path.name for path in self.folder.iterdir()}
         if JOB not in names and (others := sorted(names - {LOCK, f"{JOB}.part"})):
-            raise ExportError(f"{self.folder} has {others[0]} in it, which no export made; give another --out")
+            raise ConfigError(f"{self.folder} has {others[0]} in it, which no export made; give another --out")
 
     def _take(self) -> None:
         try:

@@ -1,5 +1,10 @@
 """What a repair cuts is kept beside the file, and a file of which nothing is whole stays as it is."""
 
+import errno
+import os
+import re
+from contextlib import nullcontext
+
 import pytest
 from typer.testing import CliRunner
 
@@ -60,6 +65,35 @@ def test_a_rest_that_is_there_already_is_not_written_over(file, tmp_path):
         repair(file, tmp_path / "rest")
     assert file.read_bytes() == before
     assert (tmp_path / "rest").read_text() == "of an earlier repair"
+
+
+@pytest.mark.parametrize(
+    ("number", "cure"),
+    [
+        (errno.ENOENT, "give the path of a recording"),
+        (errno.EISDIR, "give the path of a recording, as FOLDER/*.mcap"),
+        (errno.ENOSPC, "free some space there"),
+        (errno.EACCES, "repair it as the user whose file it is"),
+        (errno.EROFS, "copy it to a disk that can be written"),
+        (errno.EIO, "copy it to another disk"),
+    ],
+)
+def test_what_keeps_a_repair_from_its_file_names_a_cure_of_its_own(file, monkeypatch, number, cure):
+    def refused(*_):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr("common.recording.repair.scan", refused)
+    with pytest.raises(RecordingError, match=rf"{os.strerror(number)}; {re.escape(cure)}"):
+        repair(file)
+
+
+def test_a_small_files_progress_counts_its_kilobytes(file, monkeypatch):
+    size, told = len(cut(file, 0.9)), []
+    monkeypatch.setattr("farhand.commands.record.progress_bar", lambda: nullcontext(lambda *bar: told.append(bar)))
+    assert CliRunner().invoke(app, ["record", "repair", str(file)]).exit_code == 0
+    what, done, total = told[-1]
+    assert (what, total) == ("run.mcap, kB", -(-size // 1000))
+    assert 0 < done <= total
 
 
 def test_one_that_cannot_be_repaired_does_not_keep_the_others_from_it(file, tmp_path):

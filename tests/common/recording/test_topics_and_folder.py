@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from common.errors import RecordingError
+from common.errors import ConfigError
 from common.link.channels import CHANNELS, PROCEDURES
 from common.messages.base import PROTOCOL_VERSION
 from common.recording.folder import NAME, FoundFile, file_name, found, make_private, recordings_folder, too_old
@@ -64,7 +64,7 @@ def test_a_folder_into_which_others_may_look_is_refused(tmp_path: Path) -> None:
     assert (tmp_path / "new").stat().st_mode & 0o777 == 0o700
     (tmp_path / "open").mkdir(mode=0o755)
     (tmp_path / "open").chmod(0o755)
-    with pytest.raises(RecordingError, match="chmod 700"):
+    with pytest.raises(ConfigError, match="chmod 700"):
         make_private(tmp_path / "open")
 
 

@@ -35,12 +35,20 @@ def arm_of(side=""):
     ("text", "words"),
     [
         ("<robot", "not XML"),
-        ('<robot xmlns:xacro="http://x/xacro"><xacro:include filename="a"/></robot>', "xacro arm.urdf -o arm.urdf"),
+        (
+            '<robot xmlns:xacro="http://x/xacro"><xacro:include filename="a"/></robot>',
+            "xacro arm.urdf -o arm-expanded.urdf$",
+        ),
         ("<mujoco/>", r"MJCF.*give the arm's URDF"),
         (robot(joint("a", "x", "y"), links=("z",)), "z, x are not joined"),
         (robot(joint("a", "x", "z"), joint("b", "y", "z")), "z is the child of two joints"),
         (robot(joint("a", "x", "y"), joint("b", "y", "x")), "no link that everything else hangs from"),
-        (robot(joint("a", "x", "y")).replace('<link name="y"/>', ""), "joint a joins a link 'y'"),
+        (
+            robot(joint("a", "x", "y")).replace('<link name="y"/>', ""),
+            "joint a names the link 'y', which does not exist; add it",
+        ),
+        (robot(joint("a", "x", "y"), joint("a", "y", "z")), "^arm.urdf: two joints are called a; rename one$"),
+        (robot(joint("a", "x", "y")).replace("<joint", '<link name="x"/><joint'), "arm.urdf: two links are called x"),
         (robot(joint("a", "x", "y", axis='<axis xyz="0 0 0"/>')), "joint a needs <axis"),
         (robot(joint("a", "x", "y", axis='<axis xyz="0 one 0"/>')), "'0 one 0' must be 3 numbers"),
         (robot(joint("a", "x", "y", kind="hinge")), "type 'hinge'; the types are fixed, revolute"),

@@ -16,6 +16,7 @@ from farhand.cli import app
 from farhand.deployment.schemas import schema_of
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
+from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.checks import find_mistakes, find_unguarded
 from remote_site.safety.collision import CollisionModel
 from tests.farhand.arm_import.published import FINGERS, PACKAGE, publish, unseen
@@ -139,6 +140,28 @@ def test_nothing_of_the_arm_and_its_tool_is_left_unguarded(config):
 def test_a_file_that_is_there_is_kept(imported):
     with pytest.raises(ConfigError, match="exists already"):
         import_arm(ImportRequest(imported[0].with_suffix(".urdf"), imported[0]), unseen)
+
+
+def test_a_folder_is_no_arm(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    refused = CliRunner().invoke(app, ["arm", "import", "."]).exception
+    assert str(refused) == ". is a folder; give the path of a URDF file"
+
+
+def test_a_mistake_that_is_found_in_what_was_made_of_the_makers_file_names_that(tmp_path, monkeypatch):
+    def unreadable(path, *_):
+        raise ModelError(f"cannot read the robot model {path}: no such thing; give a URDF file")
+
+    monkeypatch.setattr(ArmModel, "from_urdf", unreadable)
+    urdf = publish(tmp_path)
+    with pytest.raises(ModelError, match=f"^cannot read the robot model {urdf}: no such thing"):
+        import_arm(ImportRequest(urdf, tmp_path / "arm.toml"), unseen)
+
+
+def test_no_angle_is_told_as_minus_nothing(imported):
+    told = next(line for line in imported[1] if line.startswith("computed: start posture"))
+    assert "-0," not in told
+    assert "-0 " not in told
 
 
 def test_a_mesh_in_an_unknown_package_names_the_option(tmp_path):

@@ -255,6 +255,16 @@ def test_after_a_handover_the_log_says_that_it_is_not_asked_for_automatically_an
     assert lease_of(anna) == 0
 
 
+def test_a_silent_remote_site_is_told_with_its_endpoint(stack, monkeypatch):
+    monkeypatch.setattr("local_site.authority.lease_client.ROUNDS_TO_WARN", 1)
+    lonely = endpoint()
+    with capture_logs() as log:
+        link = stack.enter_context(open_link(connect=(lonely,)))
+        stack.enter_context(Authority(link, CELL, "carl", 9, automatic=True))
+        until(lambda: any(line["event"] == "the remote site does not answer" for line in log), "the warning")
+    assert next(line["endpoint"] for line in log if "does not answer" in line["event"]) == lonely
+
+
 def test_consent_without_anyone_who_asks_is_refused(stack, cell):
     anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from msgspec.structs import replace
+from typer.testing import CliRunner
 
 from common.clock import NS_PER_MS
 from common.errors import ConfigError, InterruptionError, TransportError
@@ -21,6 +22,7 @@ from farhand.authority.engage import (
     request_stop,
 )
 from farhand.certificates.folder import CertificateOrder, create
+from farhand.cli import app
 from tests.common.link.secured_cell import ANNA, BEN, CELL, OPERATORS, Cell, free_port, running, secured
 from tests.common.messages.golden_examples import STATE
 
@@ -104,7 +106,8 @@ def test_ctrl_c_before_an_answer_is_no_acknowledgement(monkeypatch: pytest.Monke
 @pytest.fixture
 def stopped(monkeypatch: pytest.MonkeyPatch) -> RobotState:
     """The state of a site that maintenance has stopped."""
-    state = replace(STATE, state=SessionState.DISENGAGED, reason="stopped by maintenance", halted_ns=7)
+    barred = {"state": SessionState.DISENGAGED, "code": "stopped", "reason": "stopped by maintenance"}
+    state = replace(STATE, **barred, halted_ns=7)
     monkeypatch.setattr(engage, "newest_state", lambda *_: state)
     return state
 
@@ -145,6 +148,42 @@ def test_a_reset_says_what_it_clears_and_names_no_more_than_that(
     request_engage(CELL, endpoint, ANNA)
     reset, engaged = EngagementAction.RESET, EngagementAction.ENGAGE
     assert asked == [(reset, 7, False), (reset, 7, True), (engaged, stopped.halted_ns, False)]
+
+
+@pytest.mark.parametrize(
+    ("state", "code", "begins"),
+    [
+        (SessionState.DISENGAGED, "reset", "nothing to reset: "),
+        (SessionState.DISENGAGED, "not_engaged", "nothing to reset: "),
+        (SessionState.DISENGAGED, "robot_not_ready", "to reset: "),
+        (SessionState.FAULT, "stopped", "to reset: "),
+        (SessionState.HOLDING, "hand_lost", "to reset: "),
+    ],
+)
+def test_a_reset_of_nothing_says_so(
+    state: SessionState, code: str, begins: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engage, "newest_state", lambda *_: replace(STATE, state=state, code=code, reason="why"))
+    monkeypatch.setattr(engage, "ask_engagement", lambda *_, **__: Reply(id=0, done=True, code="reset", reason="reset"))
+    told = []
+    request_maintenance(CELL, f"tcp/127.0.0.1:{free_port()}", EngagementAction.RESET, told.append)
+    assert told == [f"{begins}why"]
+
+
+@pytest.mark.parametrize("more", [[], ["--json"]])
+@pytest.mark.usefixtures("impatient")
+def test_a_stop_by_maintenance_without_an_answer_names_the_emergency_stop(more: list[str]) -> None:
+    asked = ["maintenance", "stop", "--remote", f"tcp/127.0.0.1:{free_port()}", *more]
+    refused = CliRunner().invoke(app, asked)
+    assert str(refused.exception).startswith(NOT)
+    assert isinstance(refused.exception, TransportError)
+    assert refused.stdout == ""
+
+
+def test_a_stop_by_maintenance_that_cannot_be_asked_names_the_emergency_stop_too() -> None:
+    refused = CliRunner().invoke(app, ["maintenance", "stop", "--config", "nowhere.toml"])
+    assert str(refused.exception).startswith(NOT)
+    assert isinstance(refused.exception, ConfigError)
 
 
 @pytest.mark.usefixtures("stopped")

@@ -69,6 +69,17 @@ def test_points_give_a_rig_file_with_all_that_is_to_be_known(tmp_path):
     assert json.loads(out.read_bytes())["cameras"][0]["lens"]["k1"] == pytest.approx(-0.1, abs=0.03)
 
 
+@pytest.mark.parametrize("command", ["points", "images", "live"])
+def test_a_rig_file_that_exists_is_never_replaced(tmp_path, monkeypatch, command):
+    monkeypatch.chdir(tmp_path)
+    Path("rig.json").write_text("an earlier rig")
+    given = [write_points(tmp_path)] if command == "points" else ["--left", "a", "--right", "b"]
+    refused = run(command, *given).exception
+    assert isinstance(refused, ConfigError)
+    assert "--out rig.json exists already; give another name, or move it away first" in str(refused)
+    assert Path("rig.json").read_text() == "an earlier rig"
+
+
 def test_a_poorly_covered_picture_is_warned_of(tmp_path):
     csv = write_points(tmp_path, distance_m=5.0)
     words = describe(calibrate_points(csv, tmp_path / "rig.json", size=(640, 480)))

@@ -71,8 +71,25 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
             "STOP NOT ACKNOWLEDGED: the arm may still move, use the",
         ),
         (["stop", "--operator", "No One"], 2, "use the emergency stop. operator 'No One'"),
-        (["stop", "--config", "absent.toml"], 2, "use the emergency stop. cannot read the configuration absent.toml"),
-        (["calibrate", "points", "absent.csv"], 1, "absent.csv"),
+        (
+            ["stop", "--config", "absent.toml"],
+            2,
+            "use the emergency stop. cannot read absent.toml: No such",
+        ),
+        (
+            ["calibrate", "points", "absent.csv"],
+            1,
+            "absent.csv: No such file or directory; give the path of a CSV",
+        ),
+        (["calibrate", "points", sys.executable], 1, "is not UTF-8 text; save it as CSV in UTF-8"),
+        (["teach", "show", "absent.toml"], 2, "farhand: cannot read absent.toml: No such file or directory; give the"),
+        (
+            ["limits", "--config", "."],
+            2,
+            "farhand: cannot read .: Is a directory; give the path of a file",
+        ),
+        (["router", "--config", str(SITES / "router.toml")], 2, "farhand: tls.ca: cannot read /etc/farhand/ca.pem"),
+        (["router", "--config", str(SITES / "router.toml")], 2, "or make the certificates on the host that keeps"),
         (["calibrate", "latency", "--left", "/dev/video97"], 1, "camera left: cannot open /dev/video97"),
         (["track", "--rig", "absent.json", "--left", "a", "--right", "b"], 1, "absent.json"),
         (["remote", "--emulate"], 2, "driver.emulate is for the drivers c500c, franka; simulated has no emulator"),
@@ -187,6 +204,7 @@ def test_ctrl_c_before_anything_listens_to_it_ends_without_a_traceback(monkeypat
     def interrupted() -> None:
         raise KeyboardInterrupt
 
+    monkeypatch.setattr("farhand.__main__.catch_signals", lambda: None)  # for this process, the handlers stay
     monkeypatch.setattr("farhand.cli.main", interrupted)
     with pytest.raises(SystemExit) as ended:
         start()

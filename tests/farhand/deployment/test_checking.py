@@ -54,6 +54,11 @@ def test_what_is_wrong_between_tables_is_said_once(check) -> None:
     assert 'needs tracking.method = "monocular"' in line
 
 
+def test_an_empty_file_is_told_as_such(check) -> None:
+    (line,) = check("# nothing yet\n").output.splitlines()
+    assert line.endswith("site.toml: empty, so that every default counts; to begin one: farhand config show remote")
+
+
 def test_each_file_has_its_own_answer(tmp_path: Path) -> None:
     broken = tmp_path / "broken.toml"
     broken.write_text("[links]\nremote = \n")
@@ -64,4 +69,4 @@ def test_each_file_has_its_own_answer(tmp_path: Path) -> None:
     fine, not_toml, absent = json.loads(done.output)["files"]
     assert (fine["command"], fine["mistakes"]) == ("local", [])
     assert not_toml["mistakes"][0].startswith(f"{broken}:2: not valid TOML")
-    assert absent["mistakes"][0].startswith("cannot read the configuration")
+    assert absent["mistakes"][0].startswith(f"cannot read {tmp_path / 'none'}: No such file")

@@ -42,8 +42,9 @@ def test_every_shipped_file_is_told_from_every_other_kind(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["console", "router"])
 def test_the_recorder_takes_the_file_of_either_site_and_no_other(name: str) -> None:
-    with pytest.raises(ConfigError, match="takes one of the remote site or local site"):
+    with pytest.raises(ConfigError, match="takes one of the remote site or local site") as refused:
         load_site(SITES / f"{name}.toml", ())
+    assert str(refused.value).endswith("'farhand config show remote' or 'farhand config show local' prints it")
 
 
 def test_a_request_to_a_site_takes_the_consoles_file() -> None:

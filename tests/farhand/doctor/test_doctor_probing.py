@@ -259,7 +259,7 @@ def test_a_file_that_is_not_there_is_not_to_be_corrected_in_a_line(tmp_path: Pat
     for options in ((), ("--link",)):
         done = CliRunner().invoke(app, ["doctor", "--config", str(missing), *options])
         assert done.exit_code == 1
-        assert f"error    configuration: cannot read the configuration {missing}: No such file" in done.output
+        assert f"error    configuration: cannot read {missing}: No such file" in done.output
         assert "cure: give the path of a file that is there" in done.output
         assert "correct that line" not in done.output
 

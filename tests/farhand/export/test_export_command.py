@@ -39,6 +39,9 @@ def test_what_exists_is_kept_and_the_error_names_the_cure(run, recorded, tmp_pat
     (tmp_path / "dataset").mkdir()
     (tmp_path / "dataset/mine").write_text("kept")
     code, _, err = run("lerobot", recorded, "--out", tmp_path / "dataset")
-    assert code == 1
+    assert code == 2
     assert "give another, or remove it first" in err
     assert [path.name for path in (tmp_path / "dataset").iterdir()] == ["mine"]
+    run("csv", recorded, "--out", tmp_path / "tables")
+    code, _, err = run("csv", recorded, "--out", tmp_path / "tables")
+    assert (code, err.count("never written over")) == (2, 1)

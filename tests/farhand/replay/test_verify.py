@@ -142,6 +142,14 @@ def test_the_parts_that_follow_a_file_belong_to_it(tmp_path):
     assert parts_from(tmp_path / "own.mcap") == [tmp_path / "own.mcap"]
 
 
+def test_a_file_that_cannot_be_verified_leaves_no_empty_line(tmp_path, capfd):
+    bad = tmp_path / "bad.mcap"
+    bad.write_text("no recording")
+    refused = CliRunner().invoke(app, ["replay", "--verify", str(bad)])
+    assert isinstance(refused.exception, RecordingError)
+    assert (refused.stderr, capfd.readouterr().err) == ("", "")
+
+
 def test_a_file_that_is_no_recording_is_an_error(tmp_path):
     file = tmp_path / "notes.mcap"
     file.write_text("no recording")

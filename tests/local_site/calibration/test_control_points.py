@@ -74,9 +74,9 @@ def test_a_wrong_header_is_refused(tmp_path, text):
 
 
 def test_a_file_that_is_missing_or_no_text_is_refused(tmp_path):
-    with pytest.raises(CalibrationError, match="cannot read"):
+    with pytest.raises(CalibrationError, match="No such file or directory; give the path of a CSV file"):
         read_control_points(tmp_path / "absent.csv")
     binary = tmp_path / "binary.csv"
     binary.write_bytes(b"\xff\xfe\x00\x80" * 10)
-    with pytest.raises(CalibrationError, match="cannot read"):
+    with pytest.raises(CalibrationError, match="is not UTF-8 text; save it as CSV in UTF-8"):
         read_control_points(binary)

@@ -9,6 +9,7 @@ import msgspec
 import pytest
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
+from structlog.testing import capture_logs
 
 import tests.common.messages.golden_examples as golden
 from common.link.channels import HAND, PREVIEW, STATE
@@ -142,6 +143,22 @@ def test_samples_and_views_of_any_time_leave_a_recording_that_can_be_read(
     recorder.step(3 * 10**9)
     recorder.end(4 * 10**9)
     assert len(recorded(tmp_path, "/hand/anna", "/operator/left", HAND_KEY, VIEW_KEY)) == 12
+
+
+def test_a_recorder_says_once_that_it_waits_and_once_that_the_site_is_there(
+    heard: Script, recorder: OperatorRecorder
+) -> None:
+    with capture_logs() as log:
+        for t_s in (1, 2, 3):
+            recorder.step(t_s * 10**9)
+        heard.hear(HAND_KEY, 3.5, encode(golden.HAND))
+        for t_s in (4, 5):
+            recorder.step(t_s * 10**9)
+        recorder.step(9 * 10**9)
+    told = [(line["event"], line["endpoint"]) for line in log if "site" in line["event"]]
+    waits = "waiting for the local site: nothing of it comes yet"
+    endpoint = CONFIG.links.listen
+    assert told == [(waits, endpoint), ("the local site is there", endpoint), (waits, endpoint)]
 
 
 def test_an_engagement_is_an_episode(tmp_path: Path, heard: Script, recorder: OperatorRecorder) -> None:

@@ -119,6 +119,8 @@ def test_a_pose_is_not_changed_by_the_next_one():
     ("pattern", "replacement", "words"),
     [
         (r"^.*$", "no robot", "cannot read"),
+        (r'<joint name="joint_4"', '<joint name="joint_3"', "two joints are called joint_3; rename one"),
+        (r'<link name="upper_arm"', '<link name="forearm"', "two links are called forearm; rename one"),
         (r'(<joint name="joint_4" type=)"revolute"', r'\1"continuous"', "joint_4"),
         (r'velocity="2.9845"( acceleration="24.958" jerk="1000" effort="6.89")', r'velocity="0"\1', "joint_4 needs"),
         (r'lower="-1.9199" upper="1.9199"', 'lower="1" upper="-1"', "joint joint_3 needs <limit"),

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 from mcap_protobuf.decoder import DecoderFactory
+from structlog.testing import capture_logs
 
 from common.messages.codec import decode, encode
 from common.messages.hand import HandArm
@@ -269,6 +270,23 @@ def test_a_full_disk_ends_the_recording_with_an_alarm_and_nothing_else(site: Rec
     site.began = BEGAN + timedelta(hours=1)
     site.order(RecordAction.START)
     assert site.recorder.state().alarm == ""
+
+
+def test_a_recorder_says_once_that_it_waits_and_once_that_the_site_is_there(site: RecordedSite, tmp_path: Path) -> None:
+    with capture_logs() as log:
+        site.run(0.3)
+        site.end()
+        for _ in range(3):
+            site.clock.advance_ms(1000)
+            site.recorder.step(site.clock.now_ns())
+        RecordingMemory.create(tmp_path / "memory", site.clock.now_ns())
+        for _ in range(3):
+            site.clock.advance_ms(1000)
+            site.recorder.step(site.clock.now_ns())
+    told = [(line["event"], line["endpoint"]) for line in log if "remote site" in line["event"]]
+    waits = "waiting for the remote site: nothing of it comes yet"
+    endpoint = CONFIG.links.control
+    assert told == [(waits, endpoint), ("the remote site is there", endpoint)]
 
 
 def test_a_site_that_starts_again_gets_a_recording_of_its_own(site: RecordedSite, tmp_path: Path) -> None:

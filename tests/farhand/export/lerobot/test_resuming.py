@@ -2,7 +2,7 @@
 
 import pytest
 
-from common.errors import ExportError, InterruptionError
+from common.errors import ConfigError, ExportError, InterruptionError
 from farhand.export.lerobot.run import ExportSettings, export_lerobot
 from farhand.export.lerobot.staging import ExportJob, Staging
 from tests.farhand.export.lerobot.made_dataset import export, made_sessions
@@ -43,11 +43,11 @@ def test_an_episode_cut_by_a_kill_is_encoded_again(tmp_path):
 def test_a_dataset_is_never_written_over(tmp_path):
     export(made_sessions(), tmp_path / "dataset")
     before = files(tmp_path / "dataset")
-    with pytest.raises(ExportError, match="exists, and is never written over: give another, or remove it"):
+    with pytest.raises(ConfigError, match="exists, and is never written over: give another, or remove it"):
         export(made_sessions(), tmp_path / "dataset")
     assert files(tmp_path / "dataset") == before
     (tmp_path / "file").write_text("mine")
-    with pytest.raises(ExportError, match="never written over"):
+    with pytest.raises(ConfigError, match="never written over"):
         export(made_sessions(), tmp_path / "file")
 
 

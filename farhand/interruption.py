@@ -1,0 +1,46 @@
+"""Ctrl-C and SIGTERM until a command listens to them itself: they interrupt what it does, wherever that is."""
+
+import contextlib
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from types import FrameType
+from typing import NoReturn
+
+from farhand.exit_codes import INTERRUPTED
+
+IMPORTING = "<frozen importlib"  # how the names of the files begin in which Python's own imports are
+NOT_STOPPED = "STOP NOT ACKNOWLEDGED: the arm may still move, use the emergency stop."
+STOPS = ["stop"], ["maintenance", "stop"]
+
+
+def catch_signals() -> None:
+    """Have SIGINT and SIGTERM raise KeyboardInterrupt, or, within an import, which may swallow that, end the process.
+
+    A command that has something to end in order takes both signals over.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, _interrupt)
+
+
+def sentence(arguments: Sequence[str]) -> str:
+    """What an interrupted command line says; of a stop, that it is not acknowledged."""
+    stops = any(list(arguments[: len(words)]) == words for words in STOPS)
+    return f"{NOT_STOPPED} interrupted before an answer came" if stops else "interrupted"
+
+
+def _interrupt(_number: int, frame: FrameType | None) -> None:
+    while frame is not None:
+        if frame.f_code.co_filename.startswith(IMPORTING):
+            _end()
+        frame = frame.f_back
+    raise KeyboardInterrupt
+
+
+def _end() -> NoReturn:
+    with contextlib.suppress(OSError, ValueError, RuntimeError):  # no reader, closed, or interrupted while it wrote
+        sys.stdout.flush()
+    with contextlib.suppress(OSError):
+        os.write(2, f"farhand: {sentence(sys.argv[1:])}\n".encode())
+    os._exit(INTERRUPTED)
