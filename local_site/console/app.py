@@ -48,15 +48,15 @@ def run_console(
     """Serve the page until asked to stop; `announce` gets the address. FarhandError when it cannot start."""
     start_log("console", log_format)
     check_links(config.links.endpoints, config.links, *config.bearers)
-    try:
-        with bind(config.serve) as listening:
+    with bind(config.serve) as listening:
+        try:
             asyncio.run(_serve(config, listening, should_stop, announce))
-    except FarhandError as error:
-        structlog.get_logger().error("ending", reason=str(error))
-        raise
-    except Exception as error:
-        structlog.get_logger().error("ending", reason=repr(error))
-        raise ProcessError(f"the console has died: {error!r}") from error
+        except FarhandError as error:
+            structlog.get_logger().error("ending", reason=str(error))
+            raise
+        except Exception as error:
+            structlog.get_logger().error("ending", reason=repr(error))
+            raise ProcessError(f"the console has died: {error!r}") from error
     log_end()
 
 

@@ -185,6 +185,13 @@ def test_a_site_whose_port_is_taken_says_so(site: str, key: str, here) -> None:
     assert f"(process {os.getpid()}) has this port" in done.stderr
 
 
+def test_a_console_whose_port_is_taken_says_so_once(here) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        done = here("console", "--set", f"serve.port={taken.getsockname()[1]}")
+    assert done.returncode == 1
+    assert done.stderr.count(f"process {os.getpid()}") == 1
+
+
 def test_a_taught_run_beside_a_local_site_says_what_to_stop(here, tmp_path) -> None:
     (tmp_path / "task.toml").write_text(as_toml(TASK))
     with socket.create_server(("127.0.0.1", 0)) as taken:
