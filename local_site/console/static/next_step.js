@@ -6,7 +6,7 @@ import { hasWayBack } from "./limits.js";
 const IF_IT_MOVES = `If the arm moves, ${EMERGENCY}.`;
 const UNHEARD = "Press STOP; it may not reach the robot. Have somebody there press the red emergency stop if the arm moves.";
 const CLUTCH = {
-  clutched: "Move your hand to where it has room, then let go of C.",
+  clutched: "Move your hand to where it has room, then let go of C: the arm goes on from where it is.",
   clutch_unseen: "Nobody saw the clutch let go: press C again, let go.",
   clutch_settling: "Keep your hand still: the arm follows in a moment.",
 };
@@ -73,12 +73,16 @@ const isSilent = (hand) => hand === null || hand.silent;
 function reset(halt, { robot, hand }, operator) {
   const what = haltedWords(halt);
   if (robot.lease?.holder === operator) { // at whichever local site
-    const first = halt.cause ? "Ask somebody at the robot to put it right, then" : "When it is safe to go on,";
-    return { next: "reset", minor: [], words: `${what} ${first} press Reset: that alone moves nothing.` };
+    return { next: "reset", minor: [], words: `${what} ${beforeReset(halt)} press Reset: that alone moves nothing.` };
   }
   if (isSilent(hand)) return nothing(`${what} ${LOCAL_SILENT}`);
   const words = robot.lease === null ? "Take the robot, then reset it." : `Only ${robot.lease.words} can reset it: ask for the robot to do it yourself.`;
   return { next: "lease-button", minor: [], words: `${what} ${words}` };
+}
+
+function beforeReset({ who, cause }) {
+  if (cause) return "Ask somebody at the robot to put it right, then";
+  return who === "you" ? "When it is safe to go on," : "Ask who stopped it whether it is safe to go on, then";
 }
 
 function haltedWords({ who, cause }) {

@@ -64,6 +64,7 @@ def test_a_stop_says_who_it_was_and_that_reset_is_next(names: tuple[str, ...], s
     shown = said(halted(stopped(*names)), stopper=stopper)
     assert shown.sentence == f"stopped by {who}"
     assert shown.step.startswith("You stopped the arm." if who == "you" else f"Stopped by {who}.")
+    assert ("Ask who stopped it whether it is safe" in shown.step) == (who != "you")
     assert "press Reset" in shown.step
     assert shown.next == "reset"
 
