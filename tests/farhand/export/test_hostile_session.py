@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from common.clock import NS_PER_S
-from common.errors import ExportError, InterruptionError, RecordingError
+from common.errors import ConfigError, ExportError, InterruptionError, RecordingError
 from farhand.export.lerobot.run import ExportSettings, export_lerobot
 from farhand.export.resampling import MOST_INSTANTS
 from farhand.export.session import RecordedSession, SessionEpisode, SessionFacts, SessionSignals, episode_at
@@ -166,6 +166,6 @@ def test_a_folder_that_no_export_made_is_not_used_and_stays(tmp_path: Path) -> N
     mine = tmp_path / "out.part/mine"
     mine.parent.mkdir()
     mine.write_text("mine")
-    with pytest.raises(ExportError, match="which no export made; give another --out"):
+    with pytest.raises(ConfigError, match="which no export made; give another --out"):
         to_lerobot(MadeSession(), tmp_path / "out", 30)
     assert [path.read_text() for path in mine.parent.iterdir()] == ["mine"]

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from common.errors import ExportError, InterruptionError
+from common.errors import ConfigError, ExportError, InterruptionError
 from farhand.export.session import episode_at
 from farhand.export.tables.table import head
 from farhand.export.tables.write import export_csv
@@ -79,7 +79,7 @@ def test_a_table_is_never_written_over_and_none_is_left_half(tmp_path):
     assert list(tmp_path.iterdir()) == []
     export_csv([MadeSession()], tmp_path, 10, never)
     before = (tmp_path / "made.csv").read_bytes()
-    with pytest.raises(ExportError, match="give another --out"):
+    with pytest.raises(ConfigError, match="give another --out"):
         export_csv([MadeSession(phase=1.0)], tmp_path, 10, never)
     assert (tmp_path / "made.csv").read_bytes() == before
     with pytest.raises(ExportError, match="same name"):
