@@ -66,7 +66,7 @@ class Exposure:
 
 @dataclass(frozen=True, slots=True)
 class ExposureSchedule:
-    """Absolute deadlines of these cameras: the left one every period from the start on, the right one of two later."""
+    """Absolute deadlines of these cameras: the left one every period, the right one of two `offset_ns` later."""
 
     start_ns: int
     period_ns: int

@@ -45,7 +45,7 @@ def export_lerobot(
     should_stop: Callable[[], bool],
     show: ShowProgress,
 ) -> ExportSummary:
-    """Write a dataset; ExportError for sessions that are not of one kind or an `out` that exists.
+    """Write a dataset; ExportError for sessions that are not of one kind, ConfigError for an `out` that exists.
 
     InterruptionError once `should_stop`: the same export goes on later, and encodes nothing twice.
     """

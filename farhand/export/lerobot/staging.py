@@ -52,7 +52,8 @@ class StagedEpisode(msgspec.Struct, frozen=True):
 class Staging:
     """The folder `OUT.part`, as a context manager that one export at a time holds.
 
-    ExportError if `out` exists, another export is under way, or what is there belongs to another job.
+    ConfigError if `out` exists or the folder has a person's own files, ExportError if another export is under way or
+    has begun there.
     """
 
     def __init__(self, out: Path, job: ExportJob) -> None:
@@ -133,7 +134,7 @@ class Staging:
         return self.folder / f"{index:06d}"
 
     def _refuse_others(self) -> None:
-        """ExportError for a folder of a person's own, in which no export has begun."""
+        """ConfigError for a folder of a person's own, in which no export has begun."""
         names = {path.name for path in self.folder.iterdir()}
         if JOB not in names and (others := sorted(names - {LOCK, f"{JOB}.part"})):
             raise ConfigError(f"{self.folder} has {others[0]} in it, which no export made; give another --out")

@@ -12,7 +12,7 @@ SUFFIX = ".csv"
 
 
 def export_csv(sessions: Sequence[RecordedSession], out: Path, fps: int, should_stop: ShouldStop) -> list[Path]:
-    """Write a table of each session into the folder; ExportError if one of them exists, or would be too long."""
+    """Write a table of each session; ConfigError if one of them exists, ExportError if one would be too long."""
     for session in sessions:
         facts = session.facts
         check_length(facts, facts.end_ns - facts.begin_ns, fps)

@@ -25,7 +25,7 @@ def export_mp4(
 ) -> list[Path]:
     """Write a video of each session into the folder: the views, with time, state and joints below.
 
-    ExportError, before any work, if one of them exists or would be too long or too large.
+    Before any work, ConfigError if one of them exists, ExportError if one would be too long or too large.
     """
     for session in sessions:
         _plan(session.facts, fps)

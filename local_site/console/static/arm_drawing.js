@@ -1,12 +1,12 @@
 // The drawing of an arm in its cell, from the back to the front: solids where the cell says which, else lines.
 import { bones, gripperSolids, placedCapsules } from "./arm_solids.js";
+import { drawBack } from "./back_arrow.js";
 import { drawCapsule } from "./capsule_shading.js";
 import { ordered } from "./depth_order.js";
 import { drawFixture, seenFaces } from "./fixtures.js";
 import { nearLimits } from "./joint_limits.js";
 import { frames, fromPose, origin } from "./kinematics.js";
 import { drawLimit } from "./limit_arcs.js";
-import { drawBack } from "./back_arrow.js";
 import { Pen } from "./pen.js";
 import { PostureOutline } from "./posture_outline.js";
 import { drawPlumb, drawShadows, topBelow } from "./shadows.js";

@@ -1,7 +1,7 @@
 // The tool over a calibrated camera's picture: a ring where it was measured, a cross where it has been sent.
+import { drawBack } from "./back_arrow.js";
 import { fromPose, inverse, origin } from "./kinematics.js";
 import { growth, letter } from "./letters.js";
-import { drawBack } from "./back_arrow.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
 import { LastDrawn, sized, within } from "./surface.js";
 
