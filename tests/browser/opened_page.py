@@ -12,6 +12,20 @@ STAMPS = (
     "() => [...document.querySelectorAll('#cameras .view > canvas:first-child')].map((canvas) => canvas.toDataURL())"
 )
 
+LAID_OUT = """async ([width, height]) => {
+  const frame = () => new Promise(requestAnimationFrame);
+  const boxes = () =>
+    JSON.stringify([...document.querySelectorAll(".view, #step")].map((e) => e.getBoundingClientRect()));
+  for (let tries = 0, before = ""; tries < 100; tries++) {
+    await frame();
+    await frame();
+    const now = boxes();
+    if (now === before && innerWidth === width && innerHeight === height) return true;
+    before = now;
+  }
+  return false;
+}"""
+
 
 class OpenedPage:
     """One tab of its own; `words`, `wait_for` and `hold` are what tests need most."""
@@ -37,6 +51,11 @@ class OpenedPage:
 
     def close(self) -> None:
         self.context.close()
+
+    def resize(self, width: int, height: int) -> None:
+        """Give the page another size, and wait until it is laid out: the page arranges its views a frame later."""
+        self.page.set_viewport_size({"width": width, "height": height})
+        assert self.page.evaluate(LAID_OUT, [width, height]), "the page does not come to rest at its new size"
 
     def wear(self, theme: str) -> None:
         """Switch to the dark or the light page."""

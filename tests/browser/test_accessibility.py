@@ -16,14 +16,14 @@ def test_words_stand_out_and_everything_has_a_name_and_room_for_a_finger(told: T
     scheme, width, height = SCREENS[screen]
     page = told.page.page
     told.page.wear(scheme)
-    page.set_viewport_size({"width": width, "height": height})
+    told.page.resize(width, height)
     told.state = partial(told.state, traced=told.traced(4710))
     told.until("the trace", lambda: "encoder" in told.page.words("#trace"))
     page.keyboard.press("Escape")
     told.until("the acknowledgement", lambda: "acknowledged" in told.page.words("#alert"))
     found = page.evaluate(CHECK)
     told.shot(screen)
-    page.set_viewport_size({"width": 1280, "height": 720})
+    told.page.resize(1280, 720)
     assert found["poor"] == []
     assert found["nameless"] == []
     assert found["small"] == []

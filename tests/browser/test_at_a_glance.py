@@ -272,10 +272,10 @@ def test_the_first_cause_stays_in_sight_until_it_is_answered(told: Told) -> None
 
 @pytest.mark.parametrize(("width", "height"), [(1920, 1080), (1280, 720), (2560, 1440)])
 def test_the_views_take_two_thirds_of_the_screen_and_have_no_bars(told: Told, width: int, height: int) -> None:
-    told.page.page.set_viewport_size({"width": width, "height": height})
     told.page.page.evaluate("() => document.querySelector('#cameras .enlarged')?.click()")
+    told.page.resize(width, height)
     found = told.page.page.evaluate(SHARE)
-    told.page.page.set_viewport_size({"width": 1280, "height": 720})
+    told.page.resize(1280, 720)
     assert found["share"] >= 0.65
     assert found["bars"] < 0.02
     assert found["wide"] <= width
@@ -283,10 +283,10 @@ def test_the_views_take_two_thirds_of_the_screen_and_have_no_bars(told: Told, wi
 
 @pytest.mark.parametrize("width", [390, 820, 1280, 1920, 2560])
 def test_no_word_is_smaller_than_twelve_pixels_and_nothing_lies_beyond_the_side(told: Told, width: int) -> None:
-    told.page.page.set_viewport_size({"width": width, "height": 900})
+    told.page.resize(width, 900)
     told.until("a state", lambda: told.page.state() == "engaged")
     smallest, wide = told.page.page.evaluate(SMALLEST), told.page.page.evaluate(SHARE)["wide"]
-    told.page.page.set_viewport_size({"width": 1280, "height": 720})
+    told.page.resize(1280, 720)
     assert smallest >= 12.0
     assert wide <= width
 

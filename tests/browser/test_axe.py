@@ -41,10 +41,10 @@ def test_axe_finds_nothing(told: Told, axe: str, name: str) -> None:
         page.evaluate("(fold) => { document.querySelector(fold).open = true; }", fold)
     for theme, (width, height) in SCREENS.items():
         told.page.wear(theme)
-        page.set_viewport_size({"width": width, "height": height})
+        told.page.resize(width, height)
         assert violations(told, axe) == []
     told.page.wear("dark")
-    page.set_viewport_size({"width": 1280, "height": 720})
+    told.page.resize(1280, 720)
 
 
 def test_axe_finds_nothing_without_a_connection(told: Told, axe: str) -> None:
@@ -80,5 +80,5 @@ def test_axe_finds_nothing_with_any_number_of_views_at_any_width(browser: object
         for theme in ("dark", "light"):
             told.page.wear(theme)
             for width, height in SIZES:
-                told.page.page.set_viewport_size({"width": width, "height": height})
+                told.page.resize(width, height)
                 assert violations(told, axe) == [], (width, theme)

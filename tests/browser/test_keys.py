@@ -200,10 +200,10 @@ def test_escape_stops_at_every_size_whether_or_not_its_button_is_in_sight(
     overheard: Told, size: tuple[int, int]
 ) -> None:
     page = overheard.page.page
-    page.set_viewport_size({"width": size[0], "height": size[1]})
+    overheard.page.resize(size[0], size[1])
     page.evaluate("() => scrollTo(0, document.body.scrollHeight)")
     assert stops(overheard)
-    page.set_viewport_size({"width": 1280, "height": 720})
+    overheard.page.resize(1280, 720)
 
 
 AT = {

@@ -27,7 +27,7 @@ MISSING = "camera {} has given no new picture for 0.6 s; check its cable, its po
 def told_here(browser: object) -> Iterator[Told]:
     """A page of its own: it sees more of the operator than others expect."""
     with opened_told(browser) as told:
-        told.page.page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
+        told.page.resize(WIDTH, HEIGHT)
         yield told
 
 
@@ -122,7 +122,7 @@ def test_a_live_page_that_says_why_there_is_no_view_of_the_operator_is_whole(nar
 def test_a_replay_is_whole_with_its_list_open_too(browser: object, tmp_path: Path) -> None:
     with served(browser, tmp_path) as shown:
         page = shown.page
-        page.page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
+        page.resize(WIDTH, HEIGHT)
         jump(page, 4.0)
         page.wait_for("a picture", lambda: "recorded" in page.words("#cameras"))
         check(page)

@@ -27,7 +27,7 @@ def views(told_here: Told) -> Iterator[Told]:
     told_here.reset()
     yield told_here
     told_here.page.page.evaluate("() => localStorage.removeItem('farhand-large')")
-    told_here.page.page.set_viewport_size({"width": 1280, "height": 720})
+    told_here.page.resize(1280, 720)
 
 
 def meet(one: Box, other: Box) -> bool:
@@ -39,7 +39,7 @@ def meet(one: Box, other: Box) -> bool:
 def test_any_number_of_views_fills_the_room_at_every_size(views: Told, count: int) -> None:
     show_views(views, [FULL] * count)
     for width, height in SIZES:
-        views.page.page.set_viewport_size({"width": width, "height": height})
+        views.page.resize(width, height)
         room = painted(views)
         assert room.filled >= FILLED, (count, width)
         assert not any(meet(*pair) for pair in combinations(room.views, 2)), (count, width)
@@ -53,7 +53,7 @@ def test_pictures_of_other_shapes_fill_it_too_uncut_and_without_bars(views: Told
     shapes = [KINDS[kind][k % len(KINDS[kind])] for k in range(count)]
     show_views(views, shapes)
     for size in SIZES[:3]:
-        views.page.page.set_viewport_size({"width": size[0], "height": size[1]})
+        views.page.resize(size[0], size[1])
         room = painted(views)
         assert room.filled >= FILLED, size
         for (high, wide), (_, _, width, height) in zip(shapes, room.views, strict=True):

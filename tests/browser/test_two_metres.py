@@ -49,11 +49,11 @@ def told(told_here: Told) -> Iterator[Told]:
     told_here.reset()
     told_here.describe(held=False)
     yield told_here
-    told_here.page.page.set_viewport_size({"width": 1280, "height": 720})
+    told_here.page.resize(1280, 720)
 
 
 def resize(told: Told, screen: tuple[int, int]) -> None:
-    told.page.page.set_viewport_size({"width": screen[0], "height": screen[1]})
+    told.page.resize(screen[0], screen[1])
     told.tell()
     told.page.page.wait_for_timeout(100)
 
