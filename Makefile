@@ -6,7 +6,7 @@ export PYTHONDONTWRITEBYTECODE :=  # every process would compile all modules aga
 
 READERS := build/dataset-readers
 
-.PHONY: loopback learned franka arms dataset-readers test long faults check bench fuzz results
+.PHONY: loopback learned franka arms dataset-readers test test-lab long faults check bench fuzz results
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
@@ -25,8 +25,11 @@ arms: $(READY)  ## files of several makers' arms, as they publish them, for the 
 
 dataset-readers: $(READERS)/ready  ## programs of others that read exported datasets, in an environment of their own, for the tests
 
-test: $(READY)  ## the tests, two at once, but for those that take long
-	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder $(ARGS)
+test: $(READY)  ## the tests, two at once, but for those of the lab and those that take long
+	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder --ignore tests/lab $(ARGS)
+
+test-lab: $(READY)  ## the tests of the lab, which measures Farhand
+	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder $(ARGS) tests/lab
 
 long: $(READY)  ## the tests that take long
 	@$(BIN)/python -m pytest -m long --numprocesses 2 --no-loadscope-reorder $(ARGS)
@@ -59,12 +62,12 @@ $(READERS)/ready: constraints.txt Makefile
 	@$(READERS)/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt lerobot-doctor==0.2.0 pandas==3.1.1 rerun-sdk==0.41.0
 	@touch $@
 
-$(READY): constraints.txt pyproject.toml
+$(READY): constraints.txt pyproject.toml lab/pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit("Farhand needs Python 3.11 or newer, this is %d.%d: make PYTHON=/path/to/python3.11" % sys.version_info[:2] if sys.version_info < (3, 11) else 0)'
 	@$(PYTHON) -c 'import ensurepip' 2>/dev/null || { echo 'Python lacks its venv module; on Debian: apt-get install python3-venv'; exit 1; }
 	@echo 'Setting up .venv (once) ...'
 	@$(PYTHON) -m venv .venv
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[sim,video,experiments,export,dev]'
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[dev]' --editable ./lab
 	@echo 'Compiling the tracker (once, up to a minute) ...'
 	@$(BIN)/python -m local_site.runtime.warm_up
 	@touch $@

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Generic, Literal, TypeVar, Union, get_args, g
 import msgspec
 
 from common.errors import ConfigError, ConfigFileError
-from common.replaced_keys import REPLACED_KEYS
+from common.replaced_keys import GONE_KEYS, REPLACED_KEYS
 from common.type_words import in_plain_words
 
 S = TypeVar("S", bound=msgspec.Struct)
@@ -260,6 +260,8 @@ def _row_of(expected: Any) -> type[msgspec.Struct] | None:
 def _unknown(path: KeyPath, known: list[str]) -> str:
     if (replacement := REPLACED_KEYS.get(".".join(path))) is not None:
         return replacement.sentence
+    if (cure := GONE_KEYS.get(".".join(path))) is not None:
+        return cure
     near = difflib.get_close_matches(path[-1], known, n=1)
     if near:
         return f"is not a key here; did you mean {near[0]}?"

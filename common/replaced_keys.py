@@ -31,3 +31,8 @@ REPLACED_KEYS: Mapping[str, Replacement] = {
     ),
     "cells": Replacement("cell", "a router serves one cell; each further cell needs a router of its own"),
 }
+
+# Keys that nothing replaces, and the cure; a recording whose configuration has one is read without it.
+GONE_KEYS: Mapping[str, str] = {
+    "video.clock": "is gone: only the views of a benchmark show a clock; leave it out",
+}

@@ -30,7 +30,7 @@ LAST = (
     HERE / "loopback" / "test_loopback.py",
     IN_A_ROOM,
     HERE / "farhand" / "doctor" / "link",
-    HERE / "bench" / "wan",
+    HERE / "lab" / "measure" / "wan",
 )
 WAITING = (
     HERE / "common" / "link" / "test_link_refusals.py",

@@ -31,9 +31,14 @@ def arm_names(incomplete: str) -> list[str]:
 
 def experiment_names(incomplete: str) -> list[str]:
     """The experiments, and all of them."""
-    from farhand.experiments.run import ALL, NAMES
+    from common.errors import NotInstalledError
+    from farhand.laboratory import experiments
 
-    return _beginning(incomplete, [*NAMES, ALL])
+    try:
+        found = experiments()
+    except NotInstalledError:
+        return []
+    return _beginning(incomplete, [*found.NAMES, found.ALL])
 
 
 def configuration_names(incomplete: str) -> list[str]:

@@ -100,7 +100,7 @@ def experiment(
 
     Example: farhand experiment follow --out build/follow
     """
-    from farhand.experiments.run import run_experiment
+    from farhand.laboratory import experiments
 
-    summary = run_experiment(name, out, quick, until_signal())
+    summary = experiments().run_experiment(name, out, quick, until_signal())
     tell(summary.splitlines(), {"folder": out, "summary": summary}, as_json=as_json)

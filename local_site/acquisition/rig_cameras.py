@@ -17,11 +17,12 @@ from common.clock import Clock
 from common.errors import CameraError, ConfigError
 from local_site.acquisition.paced_recording import PacedRecording, RecordingStart
 from local_site.acquisition.same_source import refuse_same
-from local_site.acquisition.simulated_cameras import SimulatedCameras
+from local_site.acquisition.simulated_cameras import Beginning, SimulatedCameras
 from local_site.calibration.rig import Rig
 from local_site.calibration.rig_file import load_rig
 from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
+from local_site.simulation.operator import Operator, make_operator
 from local_site.tracking.choice import TrackingConfig
 
 SIMULATED = "simulated"
@@ -102,9 +103,7 @@ def open_operator(
 ) -> OperatorRig:
     """Open the cameras that the configuration names; FarhandError when rig or cameras cannot be used."""
     if operator.is_simulated:
-        simulated = SimulatedCameras(simulation)
-        rig = simulated.rig if simulation.textured else calibrate_simulated(simulation)
-        return OperatorRig(rig, tracking, simulated.cameras, simulated.begin)
+        return film(simulation, tracking, make_operator(simulation), Beginning())
     rig = load_rig(Path(operator.rig))
     if operator.alone:
         rig, tracking = of_one_camera(rig, tracking)
@@ -113,6 +112,13 @@ def open_operator(
     start = RecordingStart(clock)
     paced = [camera if recorded_fps(camera) is None else PacedRecording(camera, start) for camera in cameras]
     return OperatorRig(rig, tracking, paced, lambda _t_ns: None)
+
+
+def film(simulation: SimulationConfig, tracking: TrackingConfig, operator: Operator, beginning: Beginning) -> OperatorRig:
+    """Simulated cameras before an operator who begins to move at `beginning`."""
+    simulated = SimulatedCameras(simulation, operator, beginning)
+    rig = simulated.rig if simulation.textured else calibrate_simulated(simulation)
+    return OperatorRig(rig, tracking, simulated.cameras, simulated.begin)
 
 
 def of_one_camera(rig: Rig, tracking: TrackingConfig) -> tuple[Rig, TrackingConfig]:

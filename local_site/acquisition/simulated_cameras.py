@@ -19,11 +19,10 @@ from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
 from common.errors import CameraError
 from common.process.children import die_with_parent, leave_stops_to_parent, show_as
 from common.process.service import ask_for_real_time
-from local_site.acquisition.led_hand import LedHand
 from local_site.calibration.rig import Rig
-from local_site.simulation.config import MotionConfig, SimulationConfig
+from local_site.simulation.config import SimulationConfig
 from local_site.simulation.hazel import SIZE_PX
-from local_site.simulation.operator import Operator, filming_rig, make_operator
+from local_site.simulation.operator import Operator, filming_rig
 
 END_WITHIN_S = 1.0
 FIFO_PRIORITY = 21
@@ -108,21 +107,19 @@ class ExposureLoop:
 
 
 class SimulatedCameras:
-    """The cameras before the simulated operator, exposing from `start_ns` on.
+    """The cameras before a simulated operator, exposing from `start_ns` on.
 
-    The operator moves from then on, or waits for `begin`, as configured, or as another program leads its hand.
+    The operator moves from then on, or waits for `begin`, as configured; `beginning` tells when that was.
 
     Create it in the main thread: the processes that render end with the thread that began them.
-    ConfigError when the motion is out of the arm's reach.
     """
 
-    def __init__(self, config: SimulationConfig) -> None:
-        self._beginning = Beginning()
-        operator = make_operator(config, _led_by(config.motion, self._beginning))
+    def __init__(self, config: SimulationConfig, operator: Operator, beginning: Beginning) -> None:
+        self._beginning = beginning
         clock = MonotonicClock()
         self.start_ns = clock.now_ns()
-        if config.motion.begins == "at_once" or config.motion.led_by:
-            self._beginning.set(self.start_ns)
+        if config.motion.begins == "at_once":
+            beginning.set(self.start_ns)
         self.rig: Rig = filming_rig(config)
         period_ns, offset_ns = round(NS_PER_S / config.fps), round(config.phase_offset_ms * NS_PER_MS)
         size = SIZE_PX if config.textured else (config.stereo.width_px, config.stereo.height_px)
@@ -131,13 +128,11 @@ class SimulatedCameras:
         def publish(camera: int, image: Image, t_ns: int) -> None:
             rings[camera].publish(image, t_ns)
 
-        def filming(*cameras: int) -> _RenderingProcess:
-            schedule = ExposureSchedule(self.start_ns, period_ns, offset_ns, cameras)
-            return _RenderingProcess(ExposureLoop(operator, self._beginning, schedule, clock, publish))
+        def filming(camera: int) -> _RenderingProcess:
+            schedule = ExposureSchedule(self.start_ns, period_ns, offset_ns, (camera,))
+            return _RenderingProcess(ExposureLoop(operator, beginning, schedule, clock, publish))
 
-        numbers = range(len(rings))
-        # All at once, as cameras film; but a hand that is led is heard by one process only.
-        self._renderers = [filming(*numbers)] * len(rings) if config.motion.led_by else [filming(k) for k in numbers]
+        self._renderers = [filming(k) for k in range(len(rings))]
         self.cameras = tuple(
             SimulatedCamera(calibrated.name, ring, renderer)
             for calibrated, ring, renderer in zip(self.rig.cameras, rings, self._renderers, strict=True)
@@ -151,11 +146,6 @@ class SimulatedCameras:
         """End the processes; reads that wait return None."""
         for renderer in self._renderers:
             renderer.close()
-
-
-def _led_by(motion: MotionConfig, beginning: Beginning) -> LedHand | None:
-    """The hand that another program leads, whose path begins after the stillness; None where none does."""
-    return LedHand(motion.led_by, lambda t_s: beginning.time_ns(t_s + motion.still_s)) if motion.led_by else None
 
 
 class _RenderingProcess:

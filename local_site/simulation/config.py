@@ -63,13 +63,6 @@ class MotionConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
         Literal["at_once", "when_engaged"],
         Meta(description="with the cameras, or once the arm is engaged, as an operator waits for it"),
     ] = "when_engaged"
-    led_by: Annotated[
-        str,
-        Meta(
-            description="socket at which another program of this host says where the hand is, in place of the motion's "
-            "name; empty: none does"
-        ),
-    ] = ""
     still_s: Annotated[float, Meta(ge=0, le=60, description="stillness from the beginning to the first motion")] = 2.0
     tremor_mm: Annotated[float, Meta(ge=0, le=10, description="amplitude of the tremor of the wrist")] = 0.0
     shoulder: Annotated[Vector3, Meta(description="shoulder joint in the operator frame, m")] = (0.88, 0.29, 0.46)
@@ -125,5 +118,3 @@ class SimulationConfig(Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             raise ValueError('only an office shows colours and disturbances: set room.scene = "office"')
         if self.room.scene != "dark" and (self.markers or self.textured):
             raise ValueError('markers and textured are filmed in the dark: take them off or set room.scene = "dark"')
-        if self.textured and self.motion.led_by:
-            raise ValueError("a textured arm has a motion of its own: take motion.led_by off")

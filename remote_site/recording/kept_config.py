@@ -8,6 +8,7 @@ from common.config import ConfigMistake, build
 from common.errors import RecordingError
 from common.process.config import MetricsConfig
 from common.recording.config import RecordConfig
+from common.replaced_keys import GONE_KEYS
 from remote_site.config import RemoteConfig
 from remote_site.link_config import RemoteLinksConfig
 from remote_site.simulation.config import SIMULATED
@@ -34,7 +35,7 @@ def decode_config(data: bytes) -> RemoteConfig:
     """The configuration that `encode_config` wrote; RecordingError for one of another release."""
     mistakes: list[ConfigMistake] = []
     try:
-        config = build(RemoteConfig, msgspec.json.decode(data, type=dict[str, Any]), (), mistakes)
+        config = build(RemoteConfig, _known(msgspec.json.decode(data, type=dict[str, Any])), (), mistakes)
     except msgspec.DecodeError as error:
         raise RecordingError(f"the recorded configuration cannot be read: {error}") from error
     if config is None:
@@ -43,6 +44,18 @@ def decode_config(data: bytes) -> RemoteConfig:
             f"the recorded configuration is of another release: {wrong}; use the release that recorded it"
         )
     return config
+
+
+def _known(recorded: dict[str, Any]) -> dict[str, Any]:
+    """The recorded tables without the keys that are gone, in place."""
+    for key in GONE_KEYS:
+        *tables, leaf = key.split(".")
+        table: Any = recorded
+        for name in tables:
+            table = table.get(name) if isinstance(table, dict) else None
+        if isinstance(table, dict):
+            table.pop(leaf, None)
+    return recorded
 
 
 def _without_source(camera: CameraConfig) -> CameraConfig:

@@ -3,7 +3,6 @@
 import time
 from contextlib import ExitStack
 from functools import partial
-from typing import TYPE_CHECKING
 
 import msgspec
 import structlog
@@ -49,24 +48,14 @@ from remote_site.video.marker_look import MarkerLook
 from remote_site.video.process import VideoTally, VideoWire, run_video
 from remote_site.video.sources import SimulatedViews
 
-if TYPE_CHECKING:
-    from remote_site.simulation.process import CellWitness
-
 CHECK_S = 0.1
 CHECKS_PER_VALIDITY = 10
 
 
-def run_remote(
-    config: RemoteConfig,
-    should_stop: StopFlag,
-    log_format: LogFormat = LogFormat.TEXT,
-    witness: "CellWitness | None" = None,
-) -> None:
+def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
     """Run the remote site until asked to stop; ProcessError when one of its processes dies or hangs.
 
-    Nothing engages before all processes have started. Only an orderly end removes the marker of an unfinished run.
-    A simulated cell has a `witness`, in the cell's own process.
-    """
+    Nothing engages before all processes have started. Only an orderly end removes the marker of an unfinished run.    """
     start_log("remote", log_format)
     log = structlog.get_logger()
     _check_start(config)
@@ -77,7 +66,7 @@ def run_remote(
         config = config.engaging(EngagementMode.ON_REQUEST)
     children, stack, site = Children("remote"), ExitStack(), SiteMemory()
     try:
-        _start_children(config, children, stack, site, witness)
+        _start_children(config, children, stack, site)
         children.wait_ready(READY_TIMEOUT_S, should_stop)
         if not should_stop():
             site.set_ready()
@@ -97,16 +86,14 @@ def run_remote(
     log_end()
 
 
-def _start_children(
-    config: RemoteConfig, children: Children, stack: ExitStack, site: SiteMemory, witness: "CellWitness | None"
-) -> None:
+def _start_children(config: RemoteConfig, children: Children, stack: ExitStack, site: SiteMemory) -> None:
     """Fork every process of the site; what has to be removed after they have ended goes on the stack."""
     simulated = config.cell_is_simulated or config.views_are_simulated
     memory = CellMemory.create(len(config.robot.start_deg)) if simulated else None
     driver_memory = DriverMemory.create(len(config.robot.start_deg))
     config, _ = start_robot(config, children)
     if memory is not None and config.cell_is_simulated:
-        children.start("cell", partial(run_cell_child, config, memory, witness))
+        children.start("cell", partial(run_cell_child, config, memory))
     children.start("driver", partial(run_driver, config, driver_memory, memory))
     tally = VideoTally([camera.name for camera in config.video.cameras])
     stack.callback(lambda: log_summary(tally.sentences()))
@@ -153,16 +140,12 @@ def _watch(children: Children, validity: CertificateValidity, should_stop: StopF
 
 
 def run_cell_child(
-    config: RemoteConfig,
-    memory: CellMemory,
-    witness: "CellWitness | None",
-    should_stop: StopFlag,
-    heartbeat: Heartbeat,
+    config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat
 ) -> None:
     """The process of the simulated cell."""
-    from remote_site.simulation.process import run_cell, unwatched  # noqa: PLC0415  # a real cell needs no MuJoCo
+    from remote_site.simulation.process import SimulatedCell, run_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
 
-    run_cell(config.simulation, config.robot, memory, should_stop, heartbeat.beat, witness or unwatched)
+    run_cell(SimulatedCell(config.simulation, config.robot, memory), should_stop, heartbeat.beat)
 
 
 def _video(

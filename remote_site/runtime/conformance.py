@@ -83,7 +83,7 @@ def _stand(config: RemoteConfig, children: Children, should_stop: StopFlag) -> D
     config, clock = start_robot(config, children)
     if config.cell_is_simulated:
         memory = CellMemory.create(len(config.robot.start_deg))
-        children.start("cell", partial(run_cell_child, config, memory, None))
+        children.start("cell", partial(run_cell_child, config, memory))
     children.start("probe", _doze)
     children.wait_ready(READY_TIMEOUT_S, should_stop)
     if should_stop():

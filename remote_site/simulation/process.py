@@ -2,8 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
@@ -142,40 +141,20 @@ class SimulatedCell:
         self._memory.snapshot.write(self._snapshot)
 
 
-CellWitness = Callable[[SimulatedCell], AbstractContextManager[Callable[[], object]]]
-
-
-@contextmanager
-def unwatched(_cell: SimulatedCell) -> Iterator[Callable[[], object]]:
-    """Nobody watches the cell."""
-    yield lambda: None
-
-
-def run_cell(
-    config: CellConfig,
-    robot: RobotConfig,
-    memory: CellMemory,
-    should_stop: Callable[[], bool],
-    beat: Callable[[], None],
-    witness: CellWitness = unwatched,
-) -> None:
+def run_cell(cell: SimulatedCell, should_stop: Callable[[], bool], beat: Callable[[], None]) -> None:
     """Run the cell at real time in this process until `should_stop`; then stop the arm, and return once it rests.
 
-    Late steps are made up for; more than 40 ms of lateness is dropped, with a warning in the log. `witness` gives what
-    to call after each step, in this process, and is left once the arm rests.
+    Late steps are made up for; more than 40 ms of lateness is dropped, with a warning in the log.
     """
-    cell = SimulatedCell(config, robot, memory)
     ask_for_real_time(FIFO_PRIORITY)
     period_ns = round(cell.dt * NS_PER_S)
     due_ns = time.monotonic_ns()
-    with witness(cell) as stepped:
-        while not (should_stop() and cell.controller.resting):
-            if should_stop():
-                cell.controller.stop()
-            due_ns = _wait(due_ns + period_ns, MAX_LATE_STEPS * period_ns)
-            cell.step(due_ns, time.monotonic_ns())
-            stepped()
-            beat()
+    while not (should_stop() and cell.controller.resting):
+        if should_stop():
+            cell.controller.stop()
+        due_ns = _wait(due_ns + period_ns, MAX_LATE_STEPS * period_ns)
+        cell.step(due_ns, time.monotonic_ns())
+        beat()
 
 
 def _wait(due_ns: int, most_ns: int) -> int:

@@ -19,7 +19,6 @@ from remote_site.simulation.scenery import ROOM_GROUP, TABLE_MASK
 from remote_site.simulation.views import OPENGL_R_IMAGE
 from remote_site.video.backdrop import NEAR_M, Backdrop, Eye
 from remote_site.video.config import VideoConfig
-from remote_site.video.streaming.clock_strip import draw_clock
 
 MAX_GEOMS = 500
 WORLD = 0
@@ -217,18 +216,14 @@ class CellRenderer:
 
 
 class CellCamera:
-    """One simulated view; a frame is stamped with the instant of the posture that it shows.
-
-    With `clock` it also shows this instant on this host's monotonic clock, machine-readable (clock_strip).
-    """
+    """One simulated view; a frame is stamped with the instant of the posture that it shows."""
 
     noise_free = True
 
-    def __init__(self, name: str, renderer: CellRenderer, snapshot: SharedRecord, *, clock: bool) -> None:
+    def __init__(self, name: str, renderer: CellRenderer, snapshot: SharedRecord) -> None:
         self.name = name
         self._renderer = renderer
         self._snapshot = snapshot
-        self._clock = clock
         self._view = renderer.view_id(name)
         renderer.prepare(self._view)
         self._frame: Frame | None = None
@@ -241,20 +236,14 @@ class CellCamera:
         snapshot = self._snapshot.read()
         capture_ns = int(snapshot["t_ns"])
         if capture_ns > (self._frame.capture_ns if self._frame else 0):
-            self._frame = Frame(
-                self._shown(np.asarray(snapshot["qpos"], dtype=float), capture_ns), capture_ns, self._seq
-            )
+            self._frame = Frame(self._shown(np.asarray(snapshot["qpos"], dtype=float)), capture_ns, self._seq)
             self._seq += 1
         return self._frame
 
-    def _shown(self, posture: Array, capture_ns: int) -> Image:
+    def _shown(self, posture: Array) -> Image:
         if self._posture is None or np.abs(posture - self._posture).max() > UNMOVED:
             self._posture, self._picture = posture, self._renderer.render(self._view, posture)
-        if not self._clock:
-            return self._picture
-        image = self._picture.copy()
-        draw_clock(image, capture_ns)
-        return image
+        return self._picture
 
     def close(self) -> None:
         """Release the context, which all views share."""
@@ -266,7 +255,7 @@ def open_cell_cameras(
 ) -> list[CellCamera]:
     """Simulated cameras by the names of their views, on one context; CameraError names what is missing."""
     renderer = CellRenderer(cell, config.width, config.height)
-    return [CellCamera(name, renderer, snapshot, clock=config.clock) for name in names]
+    return [CellCamera(name, renderer, snapshot) for name in names]
 
 
 def _box_corners(boxes: Array) -> Array:

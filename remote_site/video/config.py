@@ -62,9 +62,6 @@ class VideoConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     )
     width: Annotated[int, Meta(ge=16, le=1920, description="of simulated views, pixels")] = 640
     height: Annotated[int, Meta(ge=16, le=1080, description="of simulated views, pixels")] = 480
-    clock: Annotated[
-        bool, Meta(description="a machine-readable clock in simulated views, to measure how old they are when seen")
-    ] = False
     calibrated: Annotated[
         bool, Meta(description="publish the projection of simulated views, so that the page can draw over them")
     ] = False

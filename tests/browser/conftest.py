@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from bench.page.chromium import CHROMIUM, QUIET
+from lab.measure.page.chromium import CHROMIUM, QUIET
 from farhand.loopback.site_process import SiteProcess, free_ports
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told, opened_told
@@ -50,7 +50,8 @@ def browser() -> Iterator[object]:
 def stand(browser: object) -> Iterator[Stand]:
     """Both sites and a console, running."""
     with running_sites() as sites:
-        remote = sites.remote("driver.name=kinematic", "video.nice=0", "video.clock=true", *H264, *HELD, *PATIENT)
+        settings = "driver.name=kinematic", "video.nice=0", *H264, *HELD, *PATIENT
+        remote = sites.remote(*settings, program="lab.stage.stand_ins.clocked_views")
         sites.local()
         port = free_ports(1)[0]
         links = (f"links.control={sites.control}", f"links.video={sites.video}", f"links.local={sites.listen}")

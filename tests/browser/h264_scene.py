@@ -6,10 +6,10 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.clock import NS_PER_MS
 from common.messages.video import Codec, KeyFrameRequest, VideoFrame
-from remote_site.video.streaming.clock_strip import draw_clock
+from lab.stage.clock_strip import draw_clock
 from remote_site.video.streaming.encoding import PictureEncoder
 from remote_site.video.streaming.setting import StreamSetting
 

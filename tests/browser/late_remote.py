@@ -7,7 +7,7 @@ from itertools import count
 
 from msgspec.structs import replace
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.clock import NS_PER_MS
 from common.geometry import Array
 from common.messages.hand import HandArm

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from msgspec.structs import replace
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.messages.requests import CameraDescription
 from common.messages.video import VideoFrame
 from local_site.console.hub import Hub

@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.messages.robot import GripperCommand, GripperState, GripperStatus, SessionState
 from local_site.console.hub import Hub
 from tests.browser.told import Told

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.geometry import transform
 from common.messages.robot import AssistPhase, AssistState, AssistTarget, Pose
 from tests.browser.told import Told

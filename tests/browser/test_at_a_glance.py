@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from bench.page import scene
-from bench.page.bare_console import BareConsole
-from bench.page.screenshots import STATES, anothers
+from lab.measure.page import scene
+from lab.measure.page.bare_console import BareConsole
+from lab.measure.page.screenshots import STATES, anothers
 from common.messages.hand import Locks, OperatorSettings
 from common.messages.robot import Pose, Readiness, SessionState
 from local_site.console.hub import Hub

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from bench.page.bare_console import BareConsole
-from bench.page.screenshots import STATES
+from lab.measure.page.bare_console import BareConsole
+from lab.measure.page.screenshots import STATES
 from tests.browser.many_views import FULL, show_views
 from tests.browser.told import Told, opened_told
 

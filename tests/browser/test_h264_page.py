@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from bench.page import scene
-from bench.page.bare_console import BareConsole
-from bench.page.painted_clock import ages_ms, compare, watch
+from lab.measure.page import scene
+from lab.measure.page.bare_console import BareConsole
+from lab.measure.page.painted_clock import ages_ms, compare, watch
 from tests.browser.h264_scene import FULL, H264Cameras
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told

@@ -7,8 +7,8 @@ from functools import partial
 import pytest
 from msgspec.structs import replace
 
-from bench.page import scene
-from bench.page.screenshots import STATES
+from lab.measure.page import scene
+from lab.measure.page.screenshots import STATES
 from common.messages.requests import EngagementAction
 from common.messages.robot import Readiness, SessionState
 from local_site.console.hub import Hub

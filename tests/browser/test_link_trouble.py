@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.clock import NS_PER_S
 from common.messages.robot import NO_PAGE, HandLink, Readiness, SessionState, VideoLink, VideoTrouble
 from tests.browser.told import Told

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 import tests.common.messages.golden_examples as golden
-from bench.page import scene
+from lab.measure.page import scene
 from common.messages.robot import SessionState
 from common.messages.video import CameraStatus
 from tests.browser.opened_page import OpenedPage

@@ -5,7 +5,7 @@ from itertools import combinations
 
 import pytest
 
-from bench.page import scene
+from lab.measure.page import scene
 from tests.browser.many_views import FULL, WIDE, Box, boxes, painted, show_views
 from tests.browser.told import Told, opened_told
 

@@ -4,8 +4,8 @@ import time
 from collections.abc import Callable
 from functools import partial
 
-from bench.page import scene
-from bench.page.bare_console import BareConsole
+from lab.measure.page import scene
+from lab.measure.page.bare_console import BareConsole
 from common.messages.hand import Locks, OperatorSettings
 from common.messages.robot import LeaseState, RobotState, SessionState
 from tests.browser.opened_page import OpenedPage

@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 import pytest
 
-from bench.page import scene
-from bench.page.screenshots import STATES
+from lab.measure.page import scene
+from lab.measure.page.screenshots import STATES
 from common.geometry import Array
 from common.messages.robot import SessionState
 from tests.browser.told import Told

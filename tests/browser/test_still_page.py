@@ -4,7 +4,7 @@ from functools import partial
 
 import msgspec
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.messages.robot import Pose, SessionState
 from tests.browser.told import Told, opened_told
 

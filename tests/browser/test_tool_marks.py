@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from bench.page import scene
-from bench.page.bare_console import BareConsole
+from lab.measure.page import scene
+from lab.measure.page.bare_console import BareConsole
 from common.geometry import Array
 from common.messages.robot import SessionState
 from tests.browser.late_remote import LateRemote

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from bench.page.screenshots import STATES
+from lab.measure.page.screenshots import STATES
 from common.messages.video import CameraStatus
 from tests.browser.many_views import boxes
 from tests.browser.told import Told, opened_told

@@ -7,8 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from bench.page import scene
-from bench.page.bare_console import BareConsole
+from lab.measure.page import scene
+from lab.measure.page.bare_console import BareConsole
 from common.clock import NS_PER_MS
 from common.messages.hand import HandArm
 from common.messages.robot import RobotState, SessionState, Traced

@@ -23,7 +23,7 @@ from tests.contracts.position_arms import BrakingArm
 
 GUIDE = Path(__file__).parents[2] / "docs" / "writing-a-driver.md"
 CLOCK = FakeClock(1000 * NS_PER_MS)
-FARHAND = {"common", "local_site", "remote_site", "farhand", "bench"}
+FARHAND = {"common", "local_site", "remote_site", "farhand", "lab"}
 
 
 def sources() -> list[str]:

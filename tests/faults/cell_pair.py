@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from bench.network.command_socket import send
-from bench.network.namespaces import LinkedHosts
-from bench.processes import module_command
-from bench.stand_ins.hand_path import ScriptedPath
+from lab.stage.network.command_socket import send
+from lab.stage.network.namespaces import LinkedHosts
+from lab.stage.processes import module_command
+from lab.stage.stand_ins.hand_path import ScriptedPath
 from common.clock import NS_PER_S
 from common.config import load_config
 from common.geometry import Array, vector_from_rotation
@@ -131,7 +131,7 @@ class CellPair:
         self.path = ScriptedPath.still()
         commands.unlink(missing_ok=True)
         self._start(
-            "local", [*self._beyond, *module_command("bench.stand_ins.scripted_local", commands)], self._setup.local
+            "local", [*self._beyond, *module_command("lab.stage.stand_ins.scripted_local", commands)], self._setup.local
         )
         self.wait("the scripted operator", commands.exists)
 
@@ -163,7 +163,7 @@ class CellPair:
         """Open a page of the console, perhaps with its key down already; it receives commands at `page`."""
         commands = self.folder / "page"
         commands.unlink(missing_ok=True)
-        command = module_command("bench.stand_ins.page_client", port, commands, *(["--down"] if down else []))
+        command = module_command("lab.stage.stand_ins.page_client", port, commands, *(["--down"] if down else []))
         page = self._start("page", [*self._beyond, *command])
         self.wait("the page", commands.exists)
         return page

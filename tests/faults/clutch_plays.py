@@ -3,7 +3,7 @@
 import os
 import signal
 
-from bench.network.command_socket import send
+from lab.stage.network.command_socket import send
 from common.messages.hand import ClutchKey
 from common.messages.requests import EngagementAction
 from farhand.loopback.site_process import SiteProcess

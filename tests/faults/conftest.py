@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.network.namespaces import LinkedHosts, why_not
+from lab.stage.network.namespaces import LinkedHosts, why_not
 from tests.faults.cell_pair import CellPair
 from tests.faults.fault_report import Report
 from tests.faults.fault_rows import Row

@@ -4,7 +4,7 @@ import os
 import signal
 import time
 
-from bench.network.command_socket import send
+from lab.stage.network.command_socket import send
 from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.messages.requests import EngagementAction

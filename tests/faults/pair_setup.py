@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 
-from bench.processes import ROOT
+from lab.stage.processes import ROOT
 from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
 from common.link.endpoints import SECURED
 from farhand.certificates.folder import CertificateOrder, create

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from bench.network.command_socket import send
+from lab.stage.network.command_socket import send
 from common.clock import NS_PER_S
 from common.geometry import vector_from_rotation
 from farhand.teach.task_file import TaskFile, TaskOrigin, WayPoint

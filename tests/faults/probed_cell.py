@@ -13,7 +13,7 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
-from bench.network.namespaces import LinkedHosts
+from lab.stage.network.namespaces import LinkedHosts
 from common.clock import MonotonicClock
 from common.link.channels import STATE
 from common.link.config import LinkSecurity, TlsConfig

@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from bench.network.command_socket import send
+from lab.stage.network.command_socket import send
 from common.messages.robot import SessionState
 from tests.faults.cell_pair import CellPair
 from tests.faults.driver_log import ROUNDING

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from bench.network.command_socket import CommandSocket
+from lab.stage.network.command_socket import CommandSocket
 from common.clock import NS_PER_MS
 from common.errors import DriverError
 from common.geometry import Array

@@ -52,23 +52,23 @@ class Sites:
         self.link = link
         self.record = Recorder(link, link, CELL, ()).record
 
-    def remote(self, *settings: str) -> SiteProcess:
+    def remote(self, *settings: str, program: str = "farhand") -> SiteProcess:
         """Start a remote site; its states come a few seconds later."""
         links = (f"links.control={self.control}", f"links.video={self.video}")
-        return self.start("remote", *links, *LIGHT_REMOTE, *settings)
+        return self.start("remote", *links, *LIGHT_REMOTE, *settings, program=program)
 
     def local(self, *settings: str) -> SiteProcess:
         """Start a local site with a simulated operator, who wears markers."""
         links = (f"links.remote={self.control}", f"links.listen={self.listen}")
         return self.start("local", *links, *LIGHT_LOCAL, *settings)
 
-    def start(self, name: str, *settings: str) -> SiteProcess:
+    def start(self, name: str, *settings: str, program: str = "farhand") -> SiteProcess:
         """Start a process of this cell."""
         arguments = [part for setting in (f"cell={CELL}", *settings) for part in ("--set", setting)]
         systemd = Systemd(self.runtime / f"notify-{len(self.processes)}")
         self.stack.callback(systemd.close)
         with patch.dict(os.environ, NOTIFY_SOCKET=str(systemd.path)):
-            process = start_site(name, arguments, self.runtime)
+            process = start_site(name, arguments, self.runtime, program)
         self.processes.append(process)
         self.systemd[process.pid] = systemd
         return process

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from bench.processes import module_command
+from lab.stage.processes import module_command
 from common.link.channels import LOAD_ECHO
 from common.link.transport import open_link
 from common.messages.probe import MOST_PADDING, ProbeEcho

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.network.namespaces import HERE, LinkedHosts, why_not
+from lab.stage.network.namespaces import HERE, LinkedHosts, why_not
 from common.link.channels import STATE
 from common.link.transport import Link, open_link
 from tests.common.link.secured_cell import ANNA, CELL, OPERATORS, ROBOT_STATE, free_port, secured, until

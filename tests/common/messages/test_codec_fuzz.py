@@ -2,7 +2,7 @@
 
 import random
 
-from bench.fuzz import MOST_GROWTH_MB, MUTATIONS, fuzz, most_memory_mb, seeds, targets, verdict
+from lab.measure.fuzz import MOST_GROWTH_MB, MUTATIONS, fuzz, most_memory_mb, seeds, targets, verdict
 
 KNOWN_REASONS = {"valid", "malformed", "oversized", "version", "invalid", "not_finite"}
 

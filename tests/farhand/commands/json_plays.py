@@ -157,7 +157,7 @@ PLAYS: dict[str, Play] = {
     "teach extract": Play(["a.mcap", "--out", "task.toml"], {"farhand.teach.extraction.extracted": gives(TASK)}),
     "teach show": Play(["task.toml"], prepare=_task),
     "experiment": Play(
-        ["follow", "--out", "build"], {"farhand.experiments.run.run_experiment": gives("4 mm\nwritten to build")}
+        ["follow", "--out", "build"], {"lab.experiments.run.run_experiment": gives("4 mm\nwritten to build")}
     ),
     "calibrate points": _rig_of("points.csv", made_by="farhand.calibration.points.calibrate_points"),
     "calibrate images": _rig_of("--left", "l", "--right", "r", made_by="farhand.calibration.pictures.calibrate_plate"),

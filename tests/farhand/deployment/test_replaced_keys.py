@@ -9,7 +9,7 @@ import pytest
 
 from common.config import load_config
 from common.errors import ConfigError, RecordingError
-from common.replaced_keys import REPLACED_KEYS
+from common.replaced_keys import GONE_KEYS, REPLACED_KEYS
 from farhand.commands.options import load_own
 from farhand.deployment.kinds import KINDS, Configuration
 from remote_site.config import RemoteConfig
@@ -48,7 +48,7 @@ def file_with(tmp_path: Path, key: str, value: str) -> Path:
 
 @pytest.mark.parametrize(("kind", "key"), RELEASED)
 def test_every_released_key_is_known_or_replaced(kind: str, key: str) -> None:
-    assert is_known(NAMED[kind], key) != (key in REPLACED_KEYS)
+    assert is_known(NAMED[kind], key) != (key in REPLACED_KEYS or key in GONE_KEYS)
 
 
 def test_the_table_has_no_key_that_never_was() -> None:
@@ -95,3 +95,15 @@ def test_a_replaced_key_in_a_recording_is_refused(key: str) -> None:
 def test_the_upgrade_note_names_both_keys(key: str) -> None:
     rows = [row for row in (ROOT / "docs/upgrading.md").read_text().splitlines() if row.startswith(f"| `{key}`")]
     assert [f"`{REPLACED_KEYS[key].key}`" in row for row in rows] == [True]
+
+
+@pytest.mark.parametrize("key", GONE_KEYS)
+def test_a_key_that_is_gone_is_refused_with_the_cure_but_in_recordings(key: str, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError) as refused:
+        load_own(RemoteConfig, file_with(tmp_path, key, "false"))
+    assert str(refused.value).endswith(f"{key}: {GONE_KEYS[key]}")
+    recorded = msgspec.json.decode(encode_config(RemoteConfig()))
+    table, leaf = key.split(".")
+    recorded[table][leaf] = False
+    assert decode_config(msgspec.json.encode(recorded)) == RemoteConfig()
+    assert any(row.startswith(f"| `{key}` |") for row in (ROOT / "docs/upgrading.md").read_text().splitlines())

@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.geometry import Array, transform
 from common.link.channels import STATE
 from common.messages.codec import encode

@@ -5,10 +5,10 @@ import pytest
 from msgspec.structs import replace
 
 from common.messages.robot import GripperCommand, SessionState
-from farhand.experiments.placing.judge import Judge, Placed
-from farhand.experiments.placing.trial import MOST_S, Conditions, _Trial, remote_config
-from farhand.experiments.stepped.robots import SteppedCell
-from farhand.experiments.stepped.site import SteppedSite
+from lab.experiments.placing.judge import Judge, Placed
+from lab.experiments.placing.trial import MOST_S, Conditions, _Trial, remote_config
+from lab.experiments.stepped.robots import SteppedCell
+from lab.experiments.stepped.site import SteppedSite
 from farhand.replay.recorded_tool_path import path_of
 from farhand.teach.extraction import task_of
 from farhand.teach.planning import planned_path

@@ -11,8 +11,9 @@ from common.clock import NS_PER_MS, FakeClock, MonotonicClock
 from common.errors import CameraError
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.pairing import PairingConfig
-from local_site.acquisition.simulated_cameras import SimulatedCameras
+from local_site.acquisition.simulated_cameras import Beginning, SimulatedCameras
 from local_site.simulation.config import SimulationConfig, StereoConfig
+from local_site.simulation.operator import make_operator
 from tests.common.cameras.losing_camera import LOST, LosingCamera
 
 WAIT_S = 20.0
@@ -102,7 +103,8 @@ def test_the_end_of_a_recording_is_said():
 
 def views_of_simulation(phase_offset_ms):
     small = StereoConfig(width_px=160, height_px=120, focal_px=200.0)
-    source = SimulatedCameras(SimulationConfig(stereo=small, fps=50.0, phase_offset_ms=phase_offset_ms))
+    config = SimulationConfig(stereo=small, fps=50.0, phase_offset_ms=phase_offset_ms)
+    source = SimulatedCameras(config, make_operator(config), Beginning())
     capture = Capture(source.cameras, PairingConfig(), MonotonicClock())
     found = [capture.next(WAIT_S) for _ in range(8)]
     capture.close()

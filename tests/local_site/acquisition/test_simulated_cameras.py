@@ -21,7 +21,7 @@ from local_site.acquisition.simulated_cameras import (
     SimulatedCameras,
 )
 from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, SimulationConfig, StereoConfig
-from local_site.simulation.operator import SimulatedOperator
+from local_site.simulation.operator import SimulatedOperator, make_operator
 from local_site.simulation.room.config import RoomConfig
 
 SMALL = StereoConfig(width_px=160, height_px=120, focal_px=200.0)
@@ -115,8 +115,13 @@ def test_the_ring_carries_colour():
     assert np.array_equal(ring.newest(-1).image, image)
 
 
+def filmed(config):
+    """The cameras before the operator that a configuration asks for."""
+    return SimulatedCameras(config, make_operator(config), Beginning())
+
+
 def test_cameras_in_an_office_give_pictures_in_colour():
-    source = SimulatedCameras(SimulationConfig(stereo=SMALL, room=RoomConfig(scene="office")))
+    source = filmed(SimulationConfig(stereo=SMALL, room=RoomConfig(scene="office")))
     try:
         for camera in source.cameras:
             assert camera.read().image.shape == (120, 160, 3)
@@ -128,7 +133,7 @@ def test_cameras_in_an_office_give_pictures_in_colour():
 def test_an_operator_moves_once_he_begins(begins):
     picture, motion = PictureConfig(noise_sigma=0.0), MotionConfig(name="figure_of_eight", begins=begins, still_s=0.0)
     config = SimulationConfig(stereo=SMALL, fps=100.0, picture=picture, motion=motion)
-    source = SimulatedCameras(config)
+    source = filmed(config)
     still = SimulatedOperator(config).render(0.0)[0]
     try:
         time.sleep(0.5)
@@ -143,7 +148,7 @@ def test_an_operator_moves_once_he_begins(begins):
 
 @pytest.fixture
 def cameras():
-    source = SimulatedCameras(CONFIG)
+    source = filmed(CONFIG)
     yield source
     source.close()
 
@@ -185,9 +190,11 @@ PARENT = """
 import sys, time
 import structlog
 from local_site.simulation.config import SimulationConfig, StereoConfig
-from local_site.acquisition.simulated_cameras import SimulatedCameras
+from local_site.acquisition.simulated_cameras import Beginning, SimulatedCameras
+from local_site.simulation.operator import make_operator
 structlog.configure(logger_factory=structlog.PrintLoggerFactory(sys.stderr))
-cameras = SimulatedCameras(SimulationConfig(stereo=StereoConfig(width_px=160, height_px=120, focal_px=200.0)))
+config = SimulationConfig(stereo=StereoConfig(width_px=160, height_px=120, focal_px=200.0))
+cameras = SimulatedCameras(config, make_operator(config), Beginning())
 cameras.cameras[0].read()
 print(cameras._renderers[0].process.pid, flush=True)
 time.sleep(60)
@@ -215,7 +222,7 @@ def test_the_renderer_dies_with_its_parent():
 
 def test_a_motion_out_of_reach_is_refused_before_any_process_starts():
     with pytest.raises(ConfigError, match="cannot reach"):
-        SimulatedCameras(SimulationConfig(body=BodyConfig(forearm_length=0.15), motion=MotionConfig()))
+        filmed(SimulationConfig(body=BodyConfig(forearm_length=0.15), motion=MotionConfig()))
 
 
 def test_the_default_picture_is_noisy_so_that_a_still_hand_is_not_taken_for_a_frozen_camera():

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array, rotation_from_vector
 from common.mapping.shown_hand import shown_orientation

@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 import pytest
 from structlog.testing import capture_logs
 
-from bench.page.bare_console import BareConsole
+from lab.measure.page.bare_console import BareConsole
 from farhand.loopback.site_process import free_ports
 from local_site.console.server import LibraryLog
 

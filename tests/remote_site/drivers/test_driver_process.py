@@ -37,7 +37,7 @@ from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.runtime import driver_process as process
 from remote_site.safety.stopping import stopping
 from remote_site.simulation.memory import CellMemory
-from remote_site.simulation.process import run_cell
+from remote_site.simulation.process import SimulatedCell, run_cell
 from tests.remote_site.remote_loop import arm
 
 STARVED_NS = 2 * NS_PER_S  # that is how long other tests may keep the simulated robot from its processor
@@ -91,9 +91,8 @@ class Rig:
         self.memory, self.cell = DriverMemory.create(6), CellMemory.create(6)
         self.children = Children("remote")
         if factory is simulated:
-            self.children.start(
-                "cell", lambda stop, beat: run_cell(CONFIG.simulation, CONFIG.robot, self.cell, stop, beat.beat)
-            )
+            cell = SimulatedCell(CONFIG.simulation, CONFIG.robot, self.cell)
+            self.children.start("cell", lambda stop, beat: run_cell(cell, stop, beat.beat))
         self.driver = self.children.start("driver", partial(process.run_driver, CONFIG, self.memory, self.cell))
         self.children.wait_ready(30.0, StopFlag())
         self.log = []

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from bench.soak.robot import kinematic
-from bench.soak.world import CONFIG, World
+from lab.measure.soak.robot import kinematic
+from lab.measure.soak.world import CONFIG, World
 from common.errors import MessageError
 from common.messages.robot import SessionState
 from remote_site.assist.sighting import MarkerSighting

@@ -6,7 +6,7 @@ import pytest
 
 from common.config import load_config
 from common.messages.hand import TrackingStatus
-from farhand.experiments.following import FollowingArm
+from lab.experiments.following import FollowingArm
 from farhand.loopback.scenario import (
     ARM_FILES,
     HUMANOID,

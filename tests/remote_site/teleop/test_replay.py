@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench.soak.robot import c500c, kinematic
-from bench.soak.world import CONFIG, World
+from lab.measure.soak.robot import c500c, kinematic
+from lab.measure.soak.world import CONFIG, World
 from common.messages.robot import SessionState
 from remote_site.teleop.cycle import CycleInput
 from remote_site.teleop.pipeline import TeleopPipeline

@@ -16,7 +16,6 @@ from remote_site.simulation.memory import snapshot_dtype
 from remote_site.simulation.views import simulated_calibration
 from remote_site.video.cell_cameras import CellRenderer, open_cell_cameras
 from remote_site.video.config import VideoConfig
-from remote_site.video.streaming.clock_strip import read_clock
 from remote_site.video.streaming.pictures import encode_jpeg
 
 VIDEO = VideoConfig(width=320, height=240)
@@ -162,19 +161,6 @@ def test_a_frame_bears_the_time_of_the_posture_and_comes_once(cell):
     assert cameras[0].newest().seq == 1
     cameras[0].close()
     cameras[0].close()
-
-
-@pytest.mark.usefixtures("renderer")
-@pytest.mark.parametrize("clock", [True, False])
-def test_the_clock_in_view_shows_the_time_of_the_posture_where_it_is_asked_for(cell, clock):
-    record, config = SharedRecord(snapshot_dtype(6)), VideoConfig(width=320, height=240, clock=clock)
-    snapshot = np.zeros((), record.dtype)
-    snapshot[()] = (98_765_432_100_000, posture(cell))
-    record.write(snapshot)
-    cameras = open_cell_cameras(VIEWS, cell, record, config)
-    read = [read_clock(camera.newest().image) for camera in cameras]
-    cameras[0].close()
-    assert read == [98_765_432 if clock else None] * len(VIEWS)
 
 
 def test_an_unknown_view_is_named_with_the_known(renderer):

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from bench.network.namespaces import why_not
+from lab.stage.network.namespaces import why_not
 
 NUMBER = r"([0-9.]+)"
 PATIENCE_S = 150.0

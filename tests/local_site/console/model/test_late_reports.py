@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.requests import Reply
 from common.messages.robot import NO_PAGE, HandLink, Readiness, SessionState

@@ -6,7 +6,7 @@ from collections import deque
 import numpy as np
 from msgspec.structs import replace
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.geometry import Array, rotation_from_vector
 from common.messages.hand import HandArm, Intent, OperatorSettings

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from msgspec.structs import replace
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.clock import NS_PER_S
 from common.messages.hand import HandArm
 from common.messages.robot import LeaseState, Readiness, RobotState, SessionState

@@ -3,7 +3,7 @@
 import pytest
 from msgspec.structs import replace
 
-from bench.page import scene
+from lab.measure.page import scene
 from common.clock import NS_PER_S
 from common.messages.robot import Asker, LeaseState, Pose, SessionState
 from local_site.console.model.seat import Visitor

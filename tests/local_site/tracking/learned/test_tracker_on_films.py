@@ -5,8 +5,8 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from bench.tracking.films.arm.arm_mesh import MESH
-from bench.tracking.films.listing import mesh_films
+from lab.films.arm.arm_mesh import MESH
+from lab.films.listing import mesh_films
 from common.messages.hand import TrackingStatus
 
 pytestmark = [

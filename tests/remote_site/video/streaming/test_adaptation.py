@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from bench.video.link import REPORT_NS, StreamRun
+from lab.measure.video.link import REPORT_NS, StreamRun
 from common.messages.video import (
     CameraStatus,
     Codec,

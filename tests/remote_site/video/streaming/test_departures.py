@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.video.link import Arrival, StreamRun
+from lab.measure.video.link import Arrival, StreamRun
 from remote_site.video.streaming.departures import Departures
 from remote_site.video.streaming.link_rate import LATE_MS, USED, LinkRate
 from remote_site.video.streaming.sent_pictures import Arrivals

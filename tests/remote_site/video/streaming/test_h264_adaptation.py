@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from bench.video.link import Arrival, StreamRun
+from lab.measure.video.link import Arrival, StreamRun
 from common.messages.video import Codec
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.codec_choice import RETRY_NS, CodecPreference

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from bench.video.link import StreamRun, live_frame
+from lab.measure.video.link import StreamRun, live_frame
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.codec import decode, encode
 from common.messages.video import Codec, ViewCame, ViewShown, ViewsShown

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from bench.video.link import MAKE_AND_PAINT_MS, Arrival, StreamRun
+from lab.measure.video.link import MAKE_AND_PAINT_MS, Arrival, StreamRun
 from remote_site.video.streaming.link_rate import LATE_MS, Least, LinkRate
 from remote_site.video.streaming.sent_pictures import Arrivals
 from tests.remote_site.video.streaming.test_h264_adaptation import settings, through

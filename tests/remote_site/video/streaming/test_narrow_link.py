@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.video.link import StreamRun
+from lab.measure.video.link import StreamRun
 from remote_site.video.streaming.setting import StreamSetting
 from remote_site.video.streaming.video_trouble import narrow_link
 from tests.remote_site.video.streaming.test_adaptation import CONFIG, pictures

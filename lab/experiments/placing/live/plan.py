@@ -1,0 +1,80 @@
+"""What each process of a live trial is started with: the same cell, tracker and operator as in lockstep; pure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from common.clock import NS_PER_S
+from lab.experiments.placing.trial import MOST_S, PAGE_NS, WRIST_M, Conditions, remote_config
+from lab.visual_operator.at_console.sitting import Sitting
+
+CELL, OPERATOR_NAME = "placing", "visual_operator"
+
+
+@dataclass(frozen=True, slots=True)
+class LivePlan:
+    """The settings of each process, and what the operator's gets; the endpoints of both sites for who records them."""
+
+    remote: Sequence[str]
+    local: Sequence[str]
+    console: Sequence[str]
+    sitting: Sitting
+    control: str
+    listen: str
+
+
+def live_plan(conditions: Conditions, ports: Sequence[int], folder: Path) -> LivePlan:
+    """A trial on four free ports of this host, with hand and notes of the operator in this folder."""
+    *others, page = ports
+    control, video, listen = (f"tcp/127.0.0.1:{port}" for port in others)
+    hand = folder / "hand"
+    return LivePlan(
+        remote=(f"cell={CELL}", f'links={{control="{control}", video="{video}"}}', *_remote_settings(conditions)),
+        local=(f"cell={CELL}", f'links={{remote="{control}", listen="{listen}"}}', *_local_settings(conditions)),
+        console=(
+            f"cell={CELL}",
+            f"operator={OPERATOR_NAME}",
+            f'links={{control="{control}", video="{video}", local="{listen}"}}',
+            f"serve.port={page}",
+        ),
+        sitting=Sitting(
+            port=page,
+            led_by=str(hand),
+            notes=str(folder / "notes.json"),
+            roll_fixed=conditions.roll_fixed,
+            seed=conditions.seed,
+            page_ns=PAGE_NS,
+            most_s=MOST_S,
+        ),
+        control=control,
+        listen=listen,
+    )
+
+
+def _remote_settings(conditions: Conditions) -> Sequence[str]:
+    """The cell that the stepped trial of the same seed has."""
+    config = remote_config(np.random.default_rng(conditions.seed))
+    block = config.simulation.block
+    x, y = block.centre_xy_m
+    return (
+        f"engagement.mode={config.engagement.mode}",
+        f"video.calibrated={str(config.video.calibrated).lower()}",
+        f"video.fps={NS_PER_S / PAGE_NS}",
+        f"simulation.block.centre_xy_m=[{x!r}, {y!r}]",
+        f"simulation.block.yaw_deg={block.yaw_deg!r}",
+    )
+
+
+def _local_settings(conditions: Conditions) -> Sequence[str]:
+    """The operator's arm that the stepped trial of the same seed has."""
+    return (
+        f"authority.operator={OPERATOR_NAME}",
+        f"tracking.method={conditions.method}",
+        "simulation.motion.begins=at_once",
+        "simulation.motion.still_s=0",
+        f"simulation.motion.wrist={list(WRIST_M)}",
+        f"simulation.markers={str(conditions.method == 'markers').lower()}",
+        f"simulation.seed={conditions.seed}",
+    )

@@ -1,0 +1,92 @@
+"""Runs an experiment by its name, shows its progress, and writes its folder."""
+
+from collections.abc import Callable
+from importlib import metadata
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress as ProgressBar
+
+from common.errors import ConfigError, InterruptionError
+from lab.experiments import follow
+from lab.experiments.placing import causes, over_network
+from lab.experiments.placing import series as placing
+from lab.experiments.placing.kept_trials import KeptTrials
+from lab.experiments.placing.live import series as realtime
+from lab.experiments.placing.trials import TrialExperiment, run_all
+from lab.experiments.report import ExperimentReport, Progress, write_report
+from lab.experiments.results.every import run_every
+from lab.experiments.robonaut import commanding, drift, hazel
+from lab.experiments.thesis import calibration, icr, markers
+from farhand.outputs import check_folder, make_folder
+from farhand.reports.plotting import require_matplotlib
+from farhand.tracking.run import prepare_tracker
+from local_site.tracking.choice import TrackingConfig
+
+# Of each experiment, quick or in full: how many frames it makes, and how it is run, reporting each frame.
+EXPERIMENTS: dict[str, tuple[Callable[[bool], int], Callable[[bool, Progress], ExperimentReport]]] = {
+    "calibration": (calibration.frame_count, calibration.calibration_report),
+    "drift": (drift.frame_count, drift.drift_report),
+    "follow": (follow.frame_count, follow.follow_report),
+    "hazel": (hazel.frame_count, hazel.hazel_report),
+    "icr": (icr.frame_count, icr.icr_report),
+    "markers": (markers.frame_count, markers.markers_report),
+    "robonaut": (commanding.frame_count, commanding.robonaut_report),
+}
+TRIAL_EXPERIMENTS: dict[str, TrialExperiment] = {
+    "causes": TrialExperiment(causes.causes_conditions, causes.causes_report),
+    "network": TrialExperiment(over_network.network_conditions, over_network.network_report),
+    "placing": TrialExperiment(placing.placing_conditions, placing.placing_report),
+}
+REPEATABLE = sorted([*EXPERIMENTS, *TRIAL_EXPERIMENTS])
+REAL_TIME = "realtime"  # depends on the machine, so that it is not part of the page of all results
+NAMES = sorted([*REPEATABLE, REAL_TIME])
+ALL = "all"
+VERSION = metadata.version("farhand")
+
+
+def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], bool] = lambda: False) -> str:
+    """Run an experiment, or "all" that are the same each time, write what came of it, and summarise it in words.
+
+    Before any work, ConfigError for an unknown name or a folder that cannot be written, and FarhandError without
+    matplotlib; InterruptionError when stopped.
+    """
+    if name not in NAMES and name != ALL:
+        raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join(sorted([*NAMES, ALL]))}")
+    require_matplotlib()
+    check_folder("--out", out)
+    make_folder("--out", out)
+    prepare_tracker(TrackingConfig())
+    with ProgressBar(console=Console(stderr=True)) as progress:
+
+        def run(each: str) -> ExperimentReport:
+            return _run(each, out, quick, progress, should_stop)
+
+        if name == ALL:
+            return run_every(REPEATABLE, run, out, quick, VERSION)
+        report = run(name)
+    write_report(report, out)
+    return f"{report.summary}\nwritten to {out / 'report.html'}"
+
+
+def _run(name: str, out: Path, quick: bool, progress: ProgressBar, should_stop: Callable[[], bool]) -> ExperimentReport:
+    """One experiment; its trials are kept in the folder `out`, where others may have left some of the same."""
+    task = progress.add_task(name, total=None)
+
+    def step() -> None:
+        progress.advance(task)
+        if should_stop():
+            left = "its finished trials are kept" if name in TRIAL_EXPERIMENTS else "nothing of it was written"
+            raise InterruptionError(f"interrupted before the experiment {name} was done; {left}")
+
+    if name in TRIAL_EXPERIMENTS:
+        trials = TRIAL_EXPERIMENTS[name]
+        conditions = trials.conditions(quick)
+        progress.update(task, total=len(conditions))
+        return trials.report(run_all(conditions, step, KeptTrials(out, VERSION)))
+    if name == REAL_TIME:
+        progress.update(task, total=realtime.trial_count(quick))
+        return realtime.realtime_report(quick, step, KeptTrials(out, VERSION))
+    frame_count, experiment = EXPERIMENTS[name]
+    progress.update(task, total=frame_count(quick))
+    return experiment(quick, step)

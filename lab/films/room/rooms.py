@@ -1,0 +1,136 @@
+"""The rooms behind the arm: a wall and a desk, each a textured plane, drawn from a seed; what moves on the wall."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import cv2
+import matplotlib as mpl
+import numpy as np
+from numpy.random import Generator
+from numpy.typing import NDArray
+
+from lab.films.room import furniture
+from lab.films.room.portrait import hand_portrait
+from common.cameras.camera import Image
+from common.errors import CameraError
+
+RoomName = Literal["plain", "office", "wood", "photograph", "fan", "poster"]
+
+# The wall is the plane y = WALL_Y, the desk z = DESK_Z, both in m in the operator frame.
+WALL_Y, WALL_LEFT, WALL_TOP = 1.75, -2.2, 2.2
+DESK_Z, DESK_LEFT, DESK_FRONT = 0.02, -0.9, -0.5
+WALL_SHAPE, WALL_PX_PER_M = (1600, 2600), 480.0
+DESK_SHAPE, DESK_PX_PER_M = (900, 1300), 480.0
+PHOTOGRAPH = Path(mpl.get_data_path()) / "sample_data" / "grace_hopper.jpg"  # public domain
+SHADE_PX = 8  # of the wall, to one of a shade
+FAN_AT, FAN_RADIUS = (1500, 560), 210
+
+
+@dataclass(frozen=True, slots=True)
+class FurnishedRoom:
+    """A wall and a desk (H, W, 3), BGR, and what moves by the time in s: it draws on a copy of the wall, or shades.
+
+    The shade (h, w) is how much light is left, from 0 to 1, on the whole wall and as much on the desk.
+    """
+
+    wall: Image
+    desk: Image
+    moving: Callable[[Image, float], None] | None = None
+    shade: Callable[[float], NDArray[np.float32]] | None = None
+
+
+def furnished(name: RoomName, seed: int) -> FurnishedRoom:
+    """A room of this kind, another for each seed."""
+    random = np.random.default_rng(seed)
+    return _ROOMS[name](random)
+
+
+def _plain(random: Generator) -> FurnishedRoom:
+    """A plain office: a painted wall with a door, a light desk."""
+    wall = furniture.painted(WALL_SHAPE, (198, 206, 208), random)
+    door = int(random.integers(150, 700))
+    cv2.rectangle(wall, (door, 250), (door + 420, 1500), (170, 180, 186), -1)
+    cv2.rectangle(wall, (door, 250), (door + 420, 1500), (120, 128, 132), 6)
+    cv2.rectangle(wall, (0, 1250), (WALL_SHAPE[1], 1290), (160, 165, 170), -1)
+    desk = furniture.painted(DESK_SHAPE, (206, 210, 212), random)
+    furniture.clutter(desk, 3, random)
+    return FurnishedRoom(wall, desk)
+
+
+def _office(random: Generator) -> FurnishedRoom:
+    """Shelves, screens, cables, and the light of a window."""
+    wall = furniture.painted(WALL_SHAPE, (184, 192, 196), random)
+    furniture.window(wall, int(random.integers(100, 500)), 150, 460, 560)
+    furniture.shelf(wall, int(random.integers(1500, 1800)), 230, 620, 700, random)
+    furniture.shelf(wall, int(random.integers(750, 900)), 120, 480, 420, random)
+    for left in (620, 1250):
+        furniture.monitor(wall, left + int(random.integers(0, 120)), 760 + int(random.integers(0, 120)), 480, random)
+    furniture.cables(wall, 9, random)
+    desk = furniture.wooden(DESK_SHAPE, random, (150, 176, 196))
+    furniture.clutter(desk, 22, random)
+    return FurnishedRoom(wall, desk)
+
+
+def _wood(random: Generator) -> FurnishedRoom:
+    """Wood of skin's colour everywhere, over which shadows move."""
+    wall, desk = furniture.wooden(WALL_SHAPE, random), furniture.wooden(DESK_SHAPE, random)
+    drifts = random.uniform(0.6, 1.4, (3, 2))
+
+    def shade(t_s: float) -> NDArray[np.float32]:
+        dark = np.zeros((WALL_SHAPE[0] // SHADE_PX, WALL_SHAPE[1] // SHADE_PX), np.float32)
+        for k, (across, down) in enumerate(drifts):
+            x = (0.3 + 0.2 * k + 0.12 * math.sin(across * t_s + k)) * dark.shape[1]
+            y = (0.35 + 0.12 * math.sin(down * t_s + 2.0 * k)) * dark.shape[0]
+            cv2.ellipse(dark, (round(x), round(y)), (26, 60), 20.0 * k, 0, 360, 1.0, -1)
+        return np.asarray(1.0 - 0.45 * cv2.GaussianBlur(dark, (0, 0), 5.0), dtype=np.float32)
+
+    return FurnishedRoom(wall, desk, shade=shade)
+
+
+def _photograph(random: Generator) -> FurnishedRoom:
+    """A photograph that fills the wall: cloth, a face and a flag."""
+    read = cv2.imread(str(PHOTOGRAPH))
+    if read is None:
+        raise CameraError(f"cannot read {PHOTOGRAPH}: install matplotlib with its sample data")
+    photograph: Image = np.asarray(read, dtype=np.uint8)
+    wall = furniture.painted(WALL_SHAPE, (150, 160, 170), random)
+    furniture.poster(wall, photograph, 780 + int(random.integers(0, 150)), 30, 1000)
+    furniture.poster(wall, photograph[:, ::-1], 120, 300, 420)
+    furniture.poster(wall, photograph, 2020, 420, 420)
+    desk = furniture.painted(DESK_SHAPE, (90, 96, 104), random)
+    furniture.clutter(desk, 8, random)
+    return FurnishedRoom(wall, desk)
+
+
+def _poster(random: Generator) -> FurnishedRoom:
+    """The plain office, with a poster of a hand, larger than life."""
+    plain = _plain(random)
+    furniture.poster(plain.wall, hand_portrait(), 940 + int(random.integers(0, 80)), 560, 560)
+    return plain
+
+
+def _fan(random: Generator) -> FurnishedRoom:
+    """The office, with a fan that turns."""
+    office = _office(random)
+
+    def blades(picture: Image, t_s: float) -> None:
+        cv2.circle(picture, FAN_AT, FAN_RADIUS, (70, 72, 76), -1, cv2.LINE_AA)
+        for k in range(3):
+            turn = math.degrees(7.0 * t_s) + 120.0 * k
+            cv2.ellipse(picture, FAN_AT, (FAN_RADIUS - 12, 150), 0, turn, turn + 62.0, (186, 190, 196), -1, cv2.LINE_AA)
+        cv2.circle(picture, FAN_AT, 40, (40, 42, 46), -1, cv2.LINE_AA)
+
+    return FurnishedRoom(office.wall, office.desk, blades)
+
+
+_ROOMS: dict[RoomName, Callable[[Generator], FurnishedRoom]] = {
+    "plain": _plain,
+    "office": _office,
+    "wood": _wood,
+    "photograph": _photograph,
+    "fan": _fan,
+    "poster": _poster,
+}

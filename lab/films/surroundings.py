@@ -1,0 +1,93 @@
+"""What is before the cameras beside the operator: a room, perhaps a second person, and how pictures are taken."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lab.films.arm.arm_mesh import MESH, load_arm_mesh
+from lab.films.arm.motions import ArmMotion
+from lab.films.arm.person import ColouredSurface, FilmedPerson
+from lab.films.arm.skin import Tone
+from lab.films.picture.light import Lighting, lit
+from lab.films.picture.rendering import FilmLayer, Picture, lay, rendered
+from lab.films.picture.rigs import Size
+from lab.films.picture.sensor import Sensor
+from lab.films.room.backdrop import SeenRoom
+from lab.films.room.rooms import RoomName, furnished
+from common.cameras.camera import Frame
+from common.clock import NS_PER_S
+from common.geometry import Array
+from local_site.calibration.physical_camera import PhysicalCamera
+from local_site.tracking.tracker import View, Views
+
+SECOND_AT = np.array([-0.05, 0.75, 0.05])
+SKIN_SHIRT = (205, 160, 130)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilmSetting:
+    """The room, a second bare-armed person behind the operator, the exposure in s, the noise in grey levels."""
+
+    room: RoomName = "plain"
+    second_person: bool = False
+    shutter_s: float = 0.008
+    noise: float = 2.0
+
+
+class Surroundings:
+    """A setting before cameras whose pictures are of one size (width, height)."""
+
+    def __init__(
+        self, setting: FilmSetting, cameras: Sequence[PhysicalCamera], size: Size, tone: Tone, seed: int
+    ) -> None:
+        """`tone` and `seed` make the second person, who shows the left arm."""
+        self._setting, self._cameras, self._size = setting, cameras, size
+        random = np.random.default_rng(seed)
+        room = furnished(setting.room, seed)
+        self._rooms = [SeenRoom(room, camera, size) for camera in cameras]
+        self._second = _second(tone, seed).filming() if setting.second_person else None
+        self._lighting = _lighting(float(random.uniform(-0.5, 0.5)))
+        self._sensor = Sensor(size, setting.noise, random)
+
+    def pictures(self, t_s: float) -> list[Picture]:
+        """What each camera sees without the operator; the caller may draw on it."""
+        pictures = [room.at(t_s) for room in self._rooms]
+        if self._second is not None:
+            times = self.exposure(t_s)
+            lay(self.layers([self._second.body(_sway(t)) for t in times]), pictures)
+            lay(self.layers([self._second.arm(t, _sway(t)) for t in times]), pictures)
+        return pictures
+
+    def layers(self, exposures: Sequence[ColouredSurface]) -> list[FilmLayer | None]:
+        """What each camera sees of a surface, given at both ends of an exposure or once."""
+        surface = exposures[0]
+        colours = lit(surface.vertices, surface.triangles, surface.albedo, self._lighting)
+        vertices = [exposure.vertices for exposure in exposures]
+        return [rendered(camera, self._size, vertices, surface.triangles, colours) for camera in self._cameras]
+
+    def exposure(self, t_s: float) -> tuple[float, ...]:
+        """Both ends of the exposure about a time, or the time itself."""
+        half = self._setting.shutter_s / 2
+        return (t_s - half, t_s + half) if half else (t_s,)
+
+    def views(self, pictures: Sequence[Picture], number: int, fps: float) -> Views:
+        """The pictures as read out of the cameras, at the instant of a number."""
+        t_ns = round(number * NS_PER_S / fps)
+        frames = [Frame(self._sensor.exposed(picture), t_ns, number) for picture in pictures]
+        return Views(t_ns, tuple(View(frame) for frame in frames))
+
+
+def _second(tone: Tone, seed: int) -> FilmedPerson:
+    mesh = load_arm_mesh(MESH, "muscular")
+    motion = ArmMotion("toggle", mesh.upper_arm_m, mesh.forearm_m, np.radians(20.0), seed)
+    return FilmedPerson(mesh, motion, "u_shape", tone, SKIN_SHIRT, right=False, offset=SECOND_AT, seed=seed)
+
+
+def _lighting(turn: float) -> Lighting:
+    window, lamp = np.array([-0.5 + turn, -0.55, 0.75]), np.array([0.7 + turn, -0.6, 0.2])
+    return Lighting(window / np.linalg.norm(window), lamp / np.linalg.norm(lamp))
+
+
+def _sway(t_s: float) -> Array:
+    return np.array([0.10 * np.sin(1.1 * t_s), 0.05 * np.sin(0.7 * t_s), 0.03 * np.sin(1.7 * t_s)])

@@ -1,0 +1,119 @@
+"""Runs the pair of sites for an hour, with recorder, viewers and a page: `python -m lab.measure.endurance.run [MINUTES]`.
+
+Each minute the page is closed and opened again, the viewers leave and come again, and the arm is engaged anew. It
+writes build/endurance.json: by process, its memory, descriptors and threads at the begin and at the end. It needs what
+`bench wan` needs, and 12 GB of disk an hour for the recording, which is deleted.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+from lab.measure.endurance.growth import Usage, growth, usage_of
+from lab.stage.network.namespaces import why_not
+from lab.stage.processes import ROOT, family, module_command, name_of
+from lab.measure.wan.setup import CELL, PLAYED
+from lab.measure.wan.source import render_source
+from lab.measure.wan.stage import MEMORY, WanStage
+from common.link.channels import CAMERA, STATE, ChannelSession
+from common.link.transport import open_link
+
+REPORT = Path("build") / "endurance.json"
+MINUTES = 60.0
+SETTLES_S = 60.0  # caches fill, the first page and engagement load what they need
+ROUND_S, SAMPLE_S = 60.0, 5.0
+ENGAGES_S = 10.0
+VIEWERS = 8
+LINK = {"delay_ms": 20.0, "mbit_s": 20.0}
+
+
+def measure(minutes: float = MINUTES) -> dict[str, float]:
+    """The figures by process; in a process of its own, which leaves this host's network."""
+    if missing := why_not():
+        sys.exit(f"endurance: no two hosts on this machine: {missing}")
+    subprocess.run(module_command("lab.measure.endurance.run", minutes), check=True, cwd=ROOT)  # noqa: S603 - our own words
+    figures: dict[str, float] = json.loads((ROOT / REPORT).read_text())
+    return figures
+
+
+def run(minutes: float) -> dict[str, float]:
+    """Keep the pair busy, and watch its processes."""
+    with ExitStack() as stack:
+        source, recordings = (
+            Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="farhand-endurance-", dir=place)))
+            for place in (MEMORY, None)
+        )
+        render_source(source)
+        stage = stack.enter_context(WanStage(source, watched=True))
+        stage.network.impair(**LINK)
+        stage.record(recordings)
+        watch = UsageWatch(stage)
+        until_s = time.monotonic() + SETTLES_S + 60.0 * minutes
+        rounds = engaged = 0
+        while time.monotonic() < until_s:
+            engaged += _round(stage, watch)
+            rounds += 1
+        return watch.figures() | {"rounds": float(rounds), "engaged": float(engaged)}
+
+
+def _round(stage: WanStage, watch: "UsageWatch") -> bool:
+    """A minute with a page and viewers, engaged; whether it engaged."""
+    files = stage.open_page("page")
+    with ExitStack() as stack:
+        for _ in range(VIEWERS):
+            security = stage.setup.security_of_viewer
+            link = stack.enter_context(
+                open_link(connect=(stage.setup.viewers,), security=security, sessions=list(ChannelSession))
+            )
+            seen = [link.latest(STATE, CELL), *(link.latest(CAMERA, CELL, view) for view in PLAYED)]
+            stack.callback(seen.clear)
+        engaged = stage.engage(ENGAGES_S)
+        until_s = time.monotonic() + ROUND_S
+        while time.monotonic() < until_s:
+            stage.check()
+            watch.look()
+            time.sleep(SAMPLE_S)
+    stage.disengage()
+    stage.close_page()
+    stage.states.clear()
+    for file in files:
+        file.unlink()
+    return engaged
+
+
+class UsageWatch:
+    """What every process of the sites held, every few seconds since the start, but for the time in which it settles."""
+
+    def __init__(self, stage: WanStage) -> None:
+        self._stage, self._began_s = stage, time.monotonic()
+        self._usages: dict[str, list[Usage]] = {}
+
+    def look(self) -> None:
+        """Look at each once."""
+        t_s = time.monotonic() - self._began_s
+        if t_s < SETTLES_S:
+            return
+        for program, main in self._stage.pids.items():
+            for pid in family(main) if program != "page" else ():
+                usage = usage_of(pid, t_s)
+                if usage is not None:
+                    self._usages.setdefault(f"{program}/{name_of(pid)}/{pid}", []).append(usage)
+
+    def figures(self) -> dict[str, float]:
+        """How each process that lasted has grown, a line of each printed."""
+        figures: dict[str, float] = {}
+        longest = max(map(len, self._usages.values()))
+        for name, usages in self._usages.items():
+            if len(usages) == longest:
+                figures |= {f"{name} {key}": value for key, value in growth(usages).items()}
+                print(name, " ".join(f"{key} {value:.1f}" for key, value in growth(usages).items()), flush=True)
+        return figures | {"processes": float(len(self._usages)), "samples": float(longest)}
+
+
+if __name__ == "__main__":
+    REPORT.parent.mkdir(exist_ok=True)
+    REPORT.write_text(json.dumps(run(float(sys.argv[1]) if len(sys.argv) > 1 else MINUTES), indent=2) + "\n")

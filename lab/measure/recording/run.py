@@ -1,0 +1,51 @@
+"""A recording of an hour beside the 40 s that it is made of: opened, sought in, cut and repaired; bytes a minute."""
+
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from lab.stage.processes import UnavailableError, module_command, run_quietly
+from lab.measure.recording.long_file import write_long
+from lab.measure.recording.opening import opening_figures, repair_figures
+from lab.measure.recording.sizes import size_figures
+
+SECONDS, HOUR_S = 40.0, 3600.0
+RECORDING_TAKES_S = 600.0
+PATIENT = "safety.t_soft_ms=400", "safety.t_latch_ms=1500", "safety.longest_hold_ms=10000"
+SEEKS, SEED = 10, 1
+NEEDED_BYTES = 40 * 10**9
+FOLDER = Path("build")
+
+
+def measure() -> dict[str, float]:
+    """The times of both files with their ratios, and the short one's bytes; meanwhile build holds a file of 20 GB."""
+    FOLDER.mkdir(exist_ok=True)
+    if shutil.disk_usage(FOLDER).free < NEEDED_BYTES:
+        print(f"recording skipped: less than {NEEDED_BYTES / 1e9:.0f} GB are free for a file of an hour")
+        return {}
+    with tempfile.TemporaryDirectory(prefix="recording-", dir=FOLDER) as name:
+        folder = Path(name)
+        short, hour = folder / "short.mcap", folder / "hour.mcap"
+        try:
+            _record(short)
+        except UnavailableError as error:
+            sys.exit(f"recording: {error}")
+        figures = size_figures(short, folder)
+        write_long(short, hour, HOUR_S)
+        at = np.random.default_rng(SEED).uniform(0.0, 1.0, SEEKS).tolist()
+        timed = [opening_figures(file, folder, at) | repair_figures(file) for file in (short, hour)]
+        figures["hour, GB"] = hour.stat().st_size / 1e9
+    for key in timed[0]:
+        figures |= {f"{key}, 40 s file": timed[0][key], f"{key}, hour": timed[1][key]}
+        figures[f"{key}, ratio"] = timed[1][key] / timed[0][key]
+    return figures
+
+
+def _record(file: Path) -> None:
+    """A loopback of 40 s with its recorder, which a busy machine does not end."""
+    options = "--record", file, "--headless", "--seconds", SECONDS
+    patient = (part for setting in PATIENT for part in ("--set", setting))
+    run_quietly(module_command("farhand", "loopback", *options, *patient), RECORDING_TAKES_S)

@@ -1,0 +1,1 @@
+"""Emulated hosts, links, operators and cameras, between which both sites are measured."""
