@@ -32,7 +32,7 @@ def arm_names(incomplete: str) -> list[str]:
 def experiment_names(incomplete: str) -> list[str]:
     """The experiments, and all of them."""
     from common.errors import NotInstalledError
-    from farhand.laboratory import experiments
+    from farhand.commands.laboratory import experiments
 
     try:
         found = experiments()

@@ -87,8 +87,7 @@ def experiment(
     name: Annotated[
         str,
         typer.Argument(
-            help="follow, hazel, robonaut, drift, icr, markers, calibration, placing, causes, network, realtime "
-            "or all.",
+            help="follow, hazel, robonaut or another that the shell completes; all: each that is the same every time.",
             autocompletion=experiment_names,
         ),
     ],
@@ -100,7 +99,7 @@ def experiment(
 
     Example: farhand experiment follow --out build/follow
     """
-    from farhand.laboratory import experiments
+    from farhand.commands.laboratory import experiments
 
     summary = experiments().run_experiment(name, out, quick, until_signal())
     tell(summary.splitlines(), {"folder": out, "summary": summary}, as_json=as_json)

@@ -6,13 +6,13 @@ import sys
 import pytest
 
 from common.errors import NotInstalledError
-from farhand import laboratory
+from farhand.commands import laboratory
 from farhand.commands.completion import experiment_names
 from farhand.exit_codes import MISUSE
 
 WITHOUT = (
     "import importlib.metadata as m; m.entry_points = lambda **_: [];"
-    "import farhand.laboratory as l; l.entry_points = m.entry_points;"
+    "import farhand.commands.laboratory as l; l.entry_points = m.entry_points;"
     "from farhand.__main__ import main; main()"
 )
 
