@@ -4,8 +4,7 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-from farhand.exit_codes import FAILED, INTERRUPTED
-from farhand.interruption import catch_signals, sentence
+from farhand.exits import FAILED, INTERRUPTED, catch_signals, sentence
 
 HOME = Path(__file__).resolve().parents[1]
 OWN_PACKAGES = ("common", "local_site", "remote_site")

@@ -14,7 +14,7 @@ from common.process.log import finish_log
 from common.text import escaped
 from farhand.commands.arm import arm_app
 from farhand.commands.calibrate import calibrate_app
-from farhand.commands.checks import doctor, driver_app, limits
+from farhand.commands.checks import doctor, driver_app, limits, tracker_app
 from farhand.commands.configurations import config_app
 from farhand.commands.export import export_app
 from farhand.commands.files import certificates_app, models_app
@@ -27,7 +27,7 @@ from farhand.commands.sites import console, local, remote, router
 from farhand.commands.status import status
 from farhand.commands.teach import teach_app
 from farhand.commands.track import track
-from farhand.exit_codes import FAILED, INTERRUPTED, MISUSE
+from farhand.exits import FAILED, INTERRUPTED, MISUSE
 from farhand.terminal import complain, say
 
 NO_SPACE = errno.ENOSPC, errno.EDQUOT
@@ -97,6 +97,7 @@ PANELS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {  # in the or
         "certificates": certificates_app,
         "arm": arm_app,
         "driver": driver_app,
+        "tracker": tracker_app,
     },
     "Maintain": {"doctor": doctor, "limits": limits, "experiment": experiment, "maintenance": maintenance_app},
 }
@@ -109,7 +110,7 @@ for panel, commands in PANELS.items():
 
 
 def main() -> None:
-    """Run the command line; the exit codes are those of `farhand.exit_codes`."""
+    """Run the command line; the exit codes are those of `farhand.exits`."""
     try:
         try:
             app(prog_name="farhand")  # python -m farhand too: its completion is the same command's

@@ -19,6 +19,7 @@ from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.drift import DriftConfig
+from local_site.tracking.registry import tracker_kind
 
 
 class LocalLinksConfig(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -48,7 +49,7 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     def __post_init__(self) -> None:
         check_cell_name(self.cell)
         one = self.operator.alone or (self.operator.is_simulated and self.simulation.textured)
-        if one and self.tracking.method != "monocular":
+        if one and tracker_kind(self.tracking.method).scene != "textured":
             raise ValueError('one camera alone needs tracking.method = "monocular"')
 
     @property

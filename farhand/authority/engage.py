@@ -16,7 +16,7 @@ from common.link.transport import Link
 from common.messages.requests import EngagementAction, Reply
 from common.messages.robot import SessionState
 from farhand.authority.asking import link_to, newest_state, remote_at
-from farhand.interruption import NOT_STOPPED
+from farhand.exits import NOT_STOPPED
 from local_site.authority.config import host_operator
 
 RESET_FIRST = ("stopped", "fault", "robot_not_ready")

@@ -1,4 +1,4 @@
-"""`farhand doctor`, `limits` and the commands under `farhand driver`: checks of machine, configuration and driver."""
+"""`farhand doctor`, `limits`, and what is under `farhand driver` and `tracker`: checks, and what is installed."""
 
 from pathlib import Path
 from typing import Annotated
@@ -16,12 +16,18 @@ from farhand.commands.options import (
     load_own,
     until_signal,
 )
-from farhand.exit_codes import FAILED, UNDECIDED
+from farhand.exits import FAILED, UNDECIDED
 from farhand.terminal import aside, say, show_table, table_of, tell
 
 driver_app = typer.Typer(
     help="List, begin and check robot drivers.\n\nExample: farhand driver list", no_args_is_help=True
 )
+tracker_app = typer.Typer(help="List the trackers.\n\nExample: farhand tracker list", no_args_is_help=True)
+
+
+@tracker_app.callback()
+def tracker() -> None:
+    """A command alone would take its group's name."""
 
 
 def doctor(
@@ -79,6 +85,18 @@ def limits(
             say(table.title)
             show_table(table_of(table.head, table.rows))
     check_stops(bounds, loaded.robot.speed, loaded.safety.longest_stop_ms)
+
+
+@tracker_app.command("list")
+def list_trackers(as_json: AsJson = False) -> None:
+    """List the trackers by name: where each comes from, and what it tracks.
+
+    Example: farhand tracker list
+    """
+    from farhand.tracking.listing import installed_trackers
+
+    trackers = installed_trackers()
+    tell(map(str, trackers), {"trackers": trackers}, as_json=as_json)
 
 
 @driver_app.command("list")

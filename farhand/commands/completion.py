@@ -15,6 +15,13 @@ def driver_names(incomplete: str) -> list[str]:
     return _beginning(incomplete, entry_points(group=GROUP).names)
 
 
+def tracker_names(incomplete: str) -> list[str]:
+    """The trackers that are installed."""
+    from local_site.tracking.registry import tracker_names as names
+
+    return _beginning(incomplete, names())
+
+
 def motion_names(incomplete: str) -> list[str]:
     """What the simulated operator can do."""
     from local_site.simulation.config import MotionName

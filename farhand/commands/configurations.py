@@ -8,7 +8,7 @@ import typer
 
 from farhand.commands.completion import configuration_names
 from farhand.commands.options import AsJson
-from farhand.exit_codes import FAILED
+from farhand.exits import FAILED
 from farhand.terminal import tell
 
 config_app = typer.Typer(

@@ -47,8 +47,19 @@ LocalEndpoint = Annotated[str, typer.Option("--local", help="Where the local sit
 
 TRACKER_HELP = (
     "silhouette: a bare arm before a dark wall; learned: a bare arm in an ordinary room; "
-    "markers: three bright ones on a dark glove; monocular: one camera."
+    "markers: three bright ones on a dark glove; monocular: one camera; or an installed one."
 )
+
+
+def known_tracker(name: str | None) -> str | None:
+    """The tracker that an option names; a misuse of the option where there is none of that name."""
+    if name is not None:
+        from local_site.tracking.registry import tracker_names
+
+        if name not in tracker_names():
+            raise typer.BadParameter(f"there is no tracker {name!r}; choose one of {', '.join(tracker_names())}")
+    return name
+
 
 
 def until_signal() -> StopFlag:

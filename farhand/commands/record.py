@@ -21,7 +21,7 @@ from farhand.commands.options import (
     console_config,
     until_signal,
 )
-from farhand.exit_codes import FAILED
+from farhand.exits import FAILED
 from farhand.terminal import complain, progress_bar, say, tell, tell_done
 
 if TYPE_CHECKING:

@@ -62,7 +62,7 @@ def replay(
 
 
 def _verify(file: Path, folder: Path, *, as_json: bool) -> None:
-    from farhand.exit_codes import FAILED
+    from farhand.exits import FAILED
     from farhand.replay.recorded_cycles import cycle_count, other_release, recorded_cycles, recorded_pipeline
     from farhand.replay.verify import verify
 

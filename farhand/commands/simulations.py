@@ -6,10 +6,17 @@ from typing import Annotated
 import typer
 
 from common.errors import ConfigError
-from farhand.commands.completion import arm_names, driver_names, experiment_names, motion_names
-from farhand.commands.options import TRACKER_HELP, AsJson, Emulate, Settings, emulation, until_signal
+from farhand.commands.completion import arm_names, driver_names, experiment_names, motion_names, tracker_names
+from farhand.commands.options import (
+    TRACKER_HELP,
+    AsJson,
+    Emulate,
+    Settings,
+    emulation,
+    known_tracker,
+    until_signal,
+)
 from farhand.terminal import tell
-from local_site.tracking.config import Method
 
 SECONDS = 30.0
 
@@ -47,7 +54,9 @@ def loopback(
         str | None,
         typer.Option(help="What the simulated operator does; else pick_and_place.", autocompletion=motion_names),
     ] = None,
-    tracker: Annotated[Method | None, typer.Option(help=TRACKER_HELP)] = None,
+    tracker: Annotated[
+        str | None, typer.Option(help=TRACKER_HELP, autocompletion=tracker_names, callback=known_tracker)
+    ] = None,
     arm: Annotated[
         str | None,
         typer.Option(

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from common.errors import ConfigError
-from farhand.commands.options import TRACKER_HELP, AsJson, Settings, load_own, until_signal
+from farhand.commands.completion import tracker_names
+from farhand.commands.options import TRACKER_HELP, AsJson, Settings, known_tracker, load_own, until_signal
 from farhand.terminal import tell
-from local_site.tracking.config import Method
 
 if TYPE_CHECKING:
     from local_site.config import LocalConfig
@@ -42,7 +42,12 @@ def track(
     ] = None,
     settings: Settings = None,
     tracker: Annotated[
-        Method | None, typer.Option(help=f"{TRACKER_HELP} The same as --set tracking.method=NAME.")
+        str | None,
+        typer.Option(
+            help=f"{TRACKER_HELP} The same as --set tracking.method=NAME.",
+            autocompletion=tracker_names,
+            callback=known_tracker,
+        ),
     ] = None,
     annotate: Annotated[
         Path | None, typer.Option(help="Folder for annotated pairs, as PNG; earlier ones are replaced.")
@@ -89,7 +94,7 @@ def track(
 
 
 def _site(
-    config: Path | None, settings: Sequence[str], tracker: Method | None, shown_joints: str | None
+    config: Path | None, settings: Sequence[str], tracker: str | None, shown_joints: str | None
 ) -> "LocalConfig":
     """The local site's configuration with the tracker that is asked for; a warning for each setting left unused."""
     from farhand.tracking.given_settings import refuse_other_tracker, unused_settings

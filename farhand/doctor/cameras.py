@@ -19,7 +19,7 @@ from common.link.port_holders import holder_of_device, is_ours
 from farhand.doctor.findings import Finding, error, ok, warning
 from local_site.calibration.rig_file import load_rig
 from local_site.kernels.pictures import as_colour
-from local_site.tracking.config import Method
+from local_site.tracking.registry import tracker_kind
 from local_site.tracking.foreground.arm_colour import is_grey
 
 PICTURE_TIMEOUT_S = 10.0
@@ -174,14 +174,16 @@ def check_sizes(rig: RigFacts, cameras: Sequence[CameraFacts]) -> list[Finding]:
     ]
 
 
-def check_colours(method: Method, cameras: Sequence[CameraFacts]) -> list[Finding]:
-    """The tracker for rooms gets colours, by which it tells the arm; one finding for each grey camera."""
+def check_colours(method: str, cameras: Sequence[CameraFacts]) -> list[Finding]:
+    """A tracker for rooms gets colours, by which it tells the arm; one finding for each grey camera."""
+    if tracker_kind(method).scene != "room":
+        return []
     return [
         warning(
             f"camera {camera.name}",
-            "its pictures are grey, but the tracker learned tells the arm from a room by its colour",
+            f"its pictures are grey, but the tracker {method} tells the arm from a room by its colour",
             "take a camera that gives colour, or hang dark cloth behind the arm",
         )
         for camera in cameras
-        if camera.is_grey and method == "learned"
+        if camera.is_grey
     ]

@@ -1,9 +1,7 @@
 """The configuration that a setup writes: the local site's tables, each value with what it means."""
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
-from typing import get_args
 
 import msgspec
 
@@ -14,15 +12,7 @@ from farhand.deployment.schemas import schema_line
 from farhand.setup.notes import SetupAnswers
 from local_site.config import LocalConfig
 from local_site.tracking.choice import TrackingConfig
-from local_site.tracking.config import Method
-
-# The trackers for two cameras and what each needs; those that the configuration does not know are not offered.
-OFFERED: Mapping[str, str] = {
-    "silhouette": "a bare arm before a dark, plain background",
-    "learned": "a bare arm in any room; needs the models: farhand models install",
-    "markers": "three bright markers on a dark glove",
-}
-NEEDS_DARK = ("silhouette",)
+from local_site.tracking.registry import tracker_kind, tracker_names
 
 HEAD = """\
 {schema}
@@ -33,8 +23,10 @@ HEAD = """\
 
 
 def offered_methods() -> dict[str, str]:
-    """The trackers to choose from, and what each needs."""
-    return {method: OFFERED[method] for method in get_args(Method) if method in OFFERED}
+    """The trackers of two cameras to choose from, and what each tracks; first the one that is usual."""
+    names = sorted(tracker_names(), key=lambda name: (name != TrackingConfig().method, name))
+    kinds = {name: tracker_kind(name) for name in names}
+    return {name: kind.tracks for name, kind in kinds.items() if kind.scene != "textured"}
 
 
 def configuration(answers: SetupAnswers, rig: Path, path: Path) -> str:
@@ -52,7 +44,7 @@ def configuration(answers: SetupAnswers, rig: Path, path: Path) -> str:
     if settings := given(answers.settings):
         lines += ["[operator.cameras] # both are set to this, and refused where they do otherwise"]
         lines += [f"{key} = {_value(value)}" for key, value in settings.items()] + [""]
-    lines += ["[tracking]", f"method = {toml_string(answers.method)} # {OFFERED[answers.method]}"]
+    lines += ["[tracking]", f"method = {toml_string(answers.method)} # {tracker_kind(answers.method).tracks}"]
     lines.append(
         f"profile_dir = {toml_string(str((path.parent / 'operators').resolve()))} # each operator's hand and forearm"
     )
@@ -61,7 +53,7 @@ def configuration(answers: SetupAnswers, rig: Path, path: Path) -> str:
     return "\n".join(lines) + "\n"
 
 
-def has_sides(method: Method) -> bool:
+def has_sides(method: str) -> bool:
     """Whether a tracker has to know which arm it tracks."""
     own = getattr(TrackingConfig(), method, None)
     return isinstance(own, msgspec.Struct) and "right_arm" in own.__struct_fields__

@@ -12,7 +12,6 @@ from common.cameras.shown_source import hides_part
 from common.errors import ConfigError
 from farhand.outputs import write_result
 from local_site.calibration.control_points import CAMERAS
-from local_site.tracking.config import Method
 
 NAMES = CAMERAS[:2]
 
@@ -29,7 +28,7 @@ class SetupAnswers(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     cameras: CameraSettings | None = None
     square_mm: float | None = None
     standing: bool = False
-    method: Method | None = None
+    method: str | None = None
     right_arm: bool = True
     pairs_by: str | None = None
     rig_by: str | None = None

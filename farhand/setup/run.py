@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
+
 
 from msgspec.structs import replace
 
@@ -19,7 +19,7 @@ from farhand.outputs import make_folder, write_result
 from farhand.setup.board_page import BOARD, PAPERS, RULER_MM, board_page
 from farhand.setup.calibrating import BarMaker, calibrate
 from farhand.setup.camera_modes import ListModes, choose_settings
-from farhand.setup.configuration import NEEDS_DARK, configuration, has_sides, offered_methods
+from farhand.setup.configuration import configuration, has_sides, offered_methods
 from farhand.setup.conversation import SetupPerson, ask_number, choose, confirm
 from farhand.setup.finding_cameras import OpenCamera, choose_cameras, try_cameras
 from farhand.setup.notes import NAMES, SetupAnswers, SetupFolder
@@ -30,11 +30,10 @@ from local_site.acquisition.pairing import PairingConfig
 from local_site.calibration.rig_file import load_rig
 from local_site.config import LocalConfig
 from local_site.tracking.choice import make_tracker
-from local_site.tracking.config import Method
+from local_site.tracking.registry import tracker_kind
 from local_site.tracking.tracker import Views
 
 TRIAL_S = 10.0
-ROOM_FIRST = ("learned",)  # the trackers that first learn the room without the arm
 ARMS = {"right": "the right arm", "left": "the left arm"}
 ViewsFor = Callable[[Sequence[Camera], PairingConfig, float], Iterator[Views]]  # cameras, pairing, seconds
 
@@ -111,8 +110,7 @@ def _tracker(_folder: SetupFolder, answers: SetupAnswers, person: SetupPerson, _
     if answers.method is not None and _keeps(person, f"the tracker {answers.method}"):
         return answers
     offered = offered_methods()
-    chosen = choose(person, "How is the arm tracked?", offered, next(iter(offered)))
-    method: Method = next(name for name in get_args(Method) if name == chosen)
+    method = choose(person, "How is the arm tracked?", offered, next(iter(offered)))
     right_arm = not has_sides(method) or choose(person, "Which arm?", ARMS, "right") == "right"
     return replace(answers, method=method, right_arm=right_arm)
 
@@ -138,10 +136,11 @@ def _trial(folder: SetupFolder, person: SetupPerson, tools: Tools) -> None:
     while confirm(person, f"Try the tracker for {TRIAL_S:.0f} seconds, the bent arm before both cameras?", proposed):
         config = load_config(LocalConfig, folder.configuration)
         prepare_tracker(config.tracking)
-        if config.tracking.method in ROOM_FIRST:
+        scene = tracker_kind(config.tracking.method).scene
+        if scene == "room":
             person.tell("keep the arm out of both pictures for the first second, then hold it bent before the cameras")
         try:
-            findings = judge_trial(_try_tracker(config, tools), config.tracking.method in NEEDS_DARK)
+            findings = judge_trial(_try_tracker(config, tools), scene == "dark")
         except (CameraError, ModelError) as error:
             person.tell(str(error))
             continue

@@ -1,16 +1,16 @@
 """What the settings given to a track ask for: no other tracker than an option names, and what is not used."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any, get_args
+from typing import Any
 
 from common.config import apply_setting, load_config
 from common.errors import ConfigError
 from local_site.config import LocalConfig
 from local_site.tracking.choice import TrackingConfig
-from local_site.tracking.config import Method
+from local_site.tracking.registry import tracker_names
 
 
-def refuse_other_tracker(tracker: Method, settings: Sequence[str]) -> None:
+def refuse_other_tracker(tracker: str, settings: Sequence[str]) -> None:
     """ConfigError if the settings name a tracker that there is not, or another than --tracker or --monocular does."""
     method = _given_tracking(settings).get("method", tracker)
     if method == tracker:
@@ -29,9 +29,9 @@ def unused_settings(tracking: TrackingConfig, settings: Sequence[str]) -> Iterat
     if tracking.profile_dir:
         yield "tracking.profile_dir is not used here: a track learns hand and forearm anew, and keeps no profile"
     used, given = tracking.method, _given_tracking(settings)
-    for other in get_args(Method):
+    for other in tracker_names():
         for key in given.get(other, {}) if other != used else ():
-            cure = f"give tracking.{used}.{key}" if hasattr(getattr(tracking, used), key) else "leave it out"
+            cure = f"give tracking.{used}.{key}" if hasattr(getattr(tracking, used, None), key) else "leave it out"
             yield f"tracking.{other}.{key} belongs to the tracker {other}, but {used} is in use: {cure}"
 
 

@@ -28,11 +28,10 @@ from local_site.simulation.config import (
     StereoConfig,
 )
 from local_site.simulation.operator import SimulatedOperator
-from local_site.tracking.config import Method
 from local_site.tracking.tracker import View, Views
 
 RECORDINGS = Path(__file__).resolve().parents[2] / "../shared/data/recordings"
-ANY_BARE_ARM: tuple[Method, ...] = ("silhouette", "learned")
+ANY_BARE_ARM: tuple[str, ...] = ("silhouette", "learned")
 STILL_S = 0.5
 SECONDS: dict[MotionName, float] = {
     "hold": 1.0,
@@ -66,7 +65,7 @@ class TrackingScene:
     name: str
     rig: Rig
     instants: Callable[[], Iterator[Instant]]
-    methods: tuple[Method, ...] = ("silhouette",)
+    methods: tuple[str, ...] = ("silhouette",)
 
 
 def simulated_scenes() -> list[TrackingScene]:

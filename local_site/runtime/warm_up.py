@@ -7,17 +7,18 @@ watchdog and no first pair of frames should have to wait for it.
 import sys
 from collections.abc import Iterator, Sequence
 
+from msgspec.structs import replace
+
 from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_S
-from local_site.calibration.rig import Rig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.simulation.hazel import TexturedOperator, film_camera, first_joints_px
 from local_site.simulation.operator import SimulatedOperator
 from local_site.simulation.room.config import RoomConfig
 from local_site.tracking.choice import TrackingConfig, make_tracker
-from local_site.tracking.config import LearnedConfig, MonocularConfig, SilhouetteConfig, StartBy, StartConfig
-from local_site.tracking.monocular.monocular_tracker import MonocularTracker
+from local_site.tracking.config import LearnedConfig, MonocularConfig, SilhouetteConfig, StartConfig
+from local_site.tracking.registry import tracker_kind
 from local_site.tracking.tracker import Tracker, View, Views
 
 INSTANTS = 3
@@ -32,33 +33,34 @@ Pictures = Iterator[Sequence[Image]]
 
 def warm_up(tracking: TrackingConfig) -> None:
     """Track a few instants; markers need no compiling. NotInstalledError where the tracker's models are missing."""
-    if tracking.method == "markers":
+    scene = tracker_kind(tracking.method).scene
+    if scene == "markers":
         return
-    if tracking.method == "monocular":
-        tracker, pictures = _one_camera(tracking.monocular.start.by)
-    elif tracking.method == "learned":
-        tracker, pictures = _in_a_room()
+    if scene == "textured":
+        tracker, pictures = _one_camera(tracking)
+    elif scene == "room":
+        tracker, pictures = _in_a_room(tracking)
     else:
-        tracker, pictures = _before_a_wall()
+        tracker, pictures = _before_a_wall(tracking)
     for k, images in enumerate(pictures):
         t_ns = round(k * PERIOD_S * NS_PER_S)
         tracker.track(Views(t_ns, tuple(View(Frame(image, t_ns, k)) for image in images)))
 
 
-def _before_a_wall() -> tuple[Tracker, Pictures]:
+def _before_a_wall(tracking: TrackingConfig) -> tuple[Tracker, Pictures]:
     simulation = SimulationConfig()
-    config = TrackingConfig(silhouette=SilhouetteConfig(initial_pairs=1))
+    config = replace(tracking, silhouette=SilhouetteConfig(initial_pairs=1))
     tracker = make_tracker(exact_rig(simulation.stereo), config)
     operator = SimulatedOperator(simulation)
     return tracker, (operator.render(k * PERIOD_S) for k in range(INSTANTS))
 
 
-def _in_a_room() -> tuple[Tracker, Pictures]:
+def _in_a_room(tracking: TrackingConfig) -> tuple[Tracker, Pictures]:
     """A room without the operator, and then with the arm in it."""
     simulation = SimulationConfig(
         room=RoomConfig(scene="office", empty_s=PRESENT_S / 2), motion=MotionConfig(name="toggles", still_s=0.0)
     )
-    config = TrackingConfig(method="learned", learned=LearnedConfig(initial_pairs=5))
+    config = replace(tracking, learned=LearnedConfig(initial_pairs=5))
     tracker = make_tracker(exact_rig(simulation.stereo), config)
     return tracker, _room_pictures(SimulatedOperator(simulation))
 
@@ -70,16 +72,13 @@ def _room_pictures(operator: SimulatedOperator) -> Pictures:
         yield operator.render(k * PERIOD_S, filmed_s=PRESENT_S)
 
 
-def _one_camera(by: StartBy) -> tuple[Tracker, Pictures]:
+def _one_camera(tracking: TrackingConfig) -> tuple[Tracker, Pictures]:
     """The swinging arm, started as configured: each start method has inner loops of its own."""
     operator = TexturedOperator(still_s=0.0)
-    return _monocular(film_camera(), by), (operator.render(k * SWING_S, (0,)) for k in range(INSTANTS))
-
-
-def _monocular(rig: Rig, by: StartBy) -> Tracker:
     shoulder, elbow, wrist = first_joints_px().values()
-    start = StartConfig(by=by, shoulder_px=shoulder, elbow_px=elbow, wrist_px=wrist)
-    return MonocularTracker(rig, MonocularConfig(start=start))
+    start = StartConfig(by=tracking.monocular.start.by, shoulder_px=shoulder, elbow_px=elbow, wrist_px=wrist)
+    tracker = make_tracker(film_camera(), replace(tracking, monocular=MonocularConfig(start=start)))
+    return tracker, (operator.render(k * SWING_S, (0,)) for k in range(INSTANTS))
 
 
 if __name__ == "__main__":

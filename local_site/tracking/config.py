@@ -1,11 +1,9 @@
-"""Which tracker a site runs, and the parameters of each."""
+"""The parameters of each of Farhand's own trackers."""
 
 from typing import Annotated, Literal
 
 import msgspec
 from msgspec import Meta, field
-
-Method = Literal["silhouette", "markers", "monocular", "learned"]
 
 
 class SilhouetteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -45,7 +45,7 @@ def list_drivers(points: Iterable[EntryPoint]) -> list[ListedDriver]:
 
 
 def _listed(point: EntryPoint, *, shared: bool) -> ListedDriver:
-    origin = _origin(point)
+    origin = origin_of(point)
     try:
         factory = point.load()
     except (Exception, SystemExit) as error:  # an installed driver may raise anything
@@ -69,7 +69,8 @@ def _is_own(point: EntryPoint) -> bool:
     return point.dist is not None and point.dist.name == OWN
 
 
-def _origin(point: EntryPoint) -> str:
+def origin_of(point: EntryPoint) -> str:
+    """Which package provides an entry point, and whether it is Farhand itself."""
     if point.dist is None:
         return "of an unknown package"
     return f"{'ships with' if _is_own(point) else 'from'} {point.dist.name} {point.dist.version}"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from farhand.exit_codes import INTERRUPTED, MISUSE
+from farhand.exits import INTERRUPTED, MISUSE
 from local_site.tracking.landmarks.model_files import how_to_install, model_folder
 
 DEPLOY = Path(__file__).parents[2] / "farhand" / "deployment"

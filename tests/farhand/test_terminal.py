@@ -13,7 +13,7 @@ from common.errors import ConfigError, FarhandError, RefusedError, TransportErro
 from common.geometry import Array
 from farhand.cli import main
 from farhand.doctor.findings import as_text, warning
-from farhand.interruption import NOT_STOPPED
+from farhand.exits import NOT_STOPPED
 from farhand.loopback.display import LiveSummary, print_table
 from farhand.loopback.recorder import CameraRecord, Record
 from farhand.loopback.run import run_figures

@@ -7,11 +7,10 @@ from lab.experiments.placing.tracked_operator import is_installed
 from lab.experiments.placing.trial import Conditions, TrialResult
 from lab.experiments.placing.trials import Results, csv, summary
 from lab.experiments.report import ExperimentReport, Figures
-from local_site.tracking.config import Method
 
 ROLL_FIXED, FREE = "roll_fixed", "free"
 # What a series is called: by its tracker, and whether the operator lets the robot do the last of the way.
-SERIES: Mapping[str, tuple[Method, bool]] = {
+SERIES: Mapping[str, tuple[str, bool]] = {
     "silhouette": ("silhouette", False),
     "markers": ("markers", False),
     "learned": ("learned", False),

@@ -16,13 +16,12 @@ from local_site.simulation.config import SimulationConfig
 from local_site.simulation.motion import Path
 from local_site.simulation.operator import SimulatedOperator
 from local_site.tracking.choice import TrackingConfig, make_tracker
-from local_site.tracking.config import Method
 from local_site.tracking.tracker import ArmEstimate, View, Views
 
 EXACT_M = 1e-4
 
 
-def is_installed(method: Method) -> bool:
+def is_installed(method: str) -> bool:
     """Whether a tracker runs here: one for rooms needs models and their runtime."""
     try:
         make_tracker(calibrate_simulated(SimulationConfig()), TrackingConfig(method=method))

@@ -26,7 +26,6 @@ from lab.visual_operator.task import PlacingTask
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.simulation.room.config import RoomConfig
 from local_site.tracking.choice import TrackingConfig
-from local_site.tracking.config import Method
 from remote_site.config import RemoteConfig
 from remote_site.session.config import EngagementMode
 from remote_site.session.samples import NamedSample
@@ -51,7 +50,7 @@ class Conditions:
     the way.
     """
 
-    method: Method
+    method: str
     roll_fixed: bool
     seed: int
     altered: tuple[Part, ...] = ()

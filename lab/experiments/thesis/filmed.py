@@ -15,7 +15,6 @@ from lab.experiments.thesis.paths import FPS, Recorded
 from local_site.simulation.body import ArmTruth
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.choice import TrackingConfig
-from local_site.tracking.config import Method
 from local_site.tracking.tracker import ArmEstimate
 
 
@@ -38,7 +37,7 @@ class TrackedFilm:
         return np.array([getattr(truth, name) for truth in self.truths])
 
 
-def film_recorded(config: SimulationConfig, recorded: Recorded, method: Method, progress: Progress) -> TrackedFilm:
+def film_recorded(config: SimulationConfig, recorded: Recorded, method: str, progress: Progress) -> TrackedFilm:
     """Film a motion and track it, with markers worn where they are what is tracked."""
     config = msgspec.structs.replace(config, motion=recorded.motion, markers=method == "markers")
     filmed = film(config, TrackingConfig(method=method), FPS, recorded.seconds, progress, recorded.path)

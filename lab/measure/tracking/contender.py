@@ -7,7 +7,6 @@ from lab.films.scenes import TrackingScene
 from common.messages.hand import TrackingStatus
 from local_site.samples.hand_sample import GestureConfig, OpenHand
 from local_site.tracking.choice import TrackingConfig, make_tracker
-from local_site.tracking.config import Method
 from local_site.tracking.tracker import Views
 
 NAMES = ("elbow", "wrist", "index", "thumb")
@@ -16,7 +15,7 @@ NAMES = ("elbow", "wrist", "index", "thumb")
 class Contender:
     """A tracker by its method; NotInstalledError where its models are missing."""
 
-    def __init__(self, method: Method, scene: TrackingScene) -> None:
+    def __init__(self, method: str, scene: TrackingScene) -> None:
         self._tracker = make_tracker(scene.rig, TrackingConfig(method=method))
         self._hand = OpenHand()
 

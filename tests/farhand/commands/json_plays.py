@@ -173,6 +173,7 @@ PLAYS: dict[str, Play] = {
     "doctor": Play(instead={"farhand.doctor.run.examine": gives([warning("disk", "full", "free some")])}),
     "limits": Play(),
     "driver list": Play(),
+    "tracker list": Play(),
     "driver test": Play(
         ["kinematic"], {"remote_site.runtime.conformance.test_driver": gives({"rests": Verdict.REPEAT})}, code=3
     ),

@@ -8,7 +8,7 @@ import pytest
 from common.errors import NotInstalledError
 from farhand.commands import laboratory
 from farhand.commands.completion import experiment_names
-from farhand.exit_codes import MISUSE
+from farhand.exits import MISUSE
 
 WITHOUT = (
     "import importlib.metadata as m; m.entry_points = lambda **_: [];"

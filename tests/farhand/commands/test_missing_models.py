@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import pytest
 
-from farhand.exit_codes import MISUSE
+from farhand.exits import MISUSE
 from farhand.loopback.site_process import free_ports
 from local_site.calibration.rig_file import save_rig
 from local_site.simulation.cameras import exact_rig

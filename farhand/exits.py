@@ -1,4 +1,9 @@
-"""Ctrl-C and SIGTERM until a command listens to them itself: they interrupt what it does, wherever that is."""
+"""How a command ends: its exit codes, and Ctrl-C and SIGTERM until it listens to them itself.
+
+Of every command alike, 0 is done. FAILED: it was begun and failed, or what was examined is not right. MISUSE: the
+options or the configuration were refused before anything began. UNDECIDED: nothing failed, and not all could be judged.
+docs/operating.md says the same.
+"""
 
 import contextlib
 import os
@@ -8,8 +13,7 @@ from collections.abc import Sequence
 from types import FrameType
 from typing import NoReturn
 
-from farhand.exit_codes import INTERRUPTED
-
+FAILED, MISUSE, UNDECIDED, INTERRUPTED = 1, 2, 3, 130
 IMPORTING = "<frozen importlib"  # how the names of the files begin in which Python's own imports are
 NOT_STOPPED = "STOP NOT ACKNOWLEDGED: the arm may still move, use the emergency stop."
 STOPS = ["stop"], ["maintenance", "stop"]
