@@ -1,6 +1,5 @@
-"""Time: monotonic nanoseconds shared by all processes of a host, the offset between two hosts, a fake for tests."""
+"""Units of time, what a clock is, a fake one for tests, and the offset between two hosts' clocks; pure."""
 
-import time
 from collections import deque
 from dataclasses import dataclass
 from typing import Protocol
@@ -22,18 +21,6 @@ class Clock(Protocol):
     def now_ns(self) -> int: ...
 
     def sleep_until_ns(self, deadline_ns: int) -> None: ...
-
-
-class MonotonicClock:
-    """CLOCK_MONOTONIC, shared by every process of a host and unaffected by wall-clock steps."""
-
-    def now_ns(self) -> int:
-        return time.monotonic_ns()
-
-    def sleep_until_ns(self, deadline_ns: int) -> None:
-        delay_ns = deadline_ns - time.monotonic_ns()
-        if delay_ns > 0:
-            time.sleep(delay_ns / NS_PER_S)
 
 
 @dataclass

@@ -1,13 +1,11 @@
-"""Steady time, which is neither slewed nor stands still in a suspend, and the offset of two hosts' clocks by it."""
+"""Steady time, which is neither slewed nor stands still in a suspend, and the offset of two hosts' clocks by it; pure."""
 
-import time
 from collections import deque
 from itertools import pairwise
 from typing import NamedTuple
 
 from common.clock import NS_PER_MS, ClockEstimate, ClockOffset, OffsetEstimator, RoundTrip
 
-READINGS, QUICK_NS = 5, 20_000
 APART_NS, OWN_READINGS = 10 * NS_PER_MS, 128  # longer than a sample or a picture waits
 
 
@@ -25,19 +23,6 @@ class HostTime(NamedTuple):
     def steady_ns(self) -> int:
         """The steady time of this reading."""
         return self.now_ns + self.ahead_ns
-
-
-def host_time() -> HostTime:
-    """This host's clocks at one instant: of a few readings a quick one, since a process may be paused within any."""
-    readings = []
-    for _ in range(READINGS):
-        before_ns = time.monotonic_ns()
-        raw_ns, boot_ns = time.clock_gettime_ns(time.CLOCK_MONOTONIC_RAW), time.clock_gettime_ns(time.CLOCK_BOOTTIME)
-        after_ns = time.monotonic_ns()
-        readings.append((after_ns - before_ns, HostTime(after_ns, raw_ns + boot_ns - before_ns - after_ns)))
-        if after_ns - before_ns < QUICK_NS:
-            break
-    return min(readings)[1]
 
 
 class OwnReadings:

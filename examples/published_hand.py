@@ -11,7 +11,8 @@ import sys
 
 import numpy as np
 
-from common.clock import NS_PER_S, MonotonicClock
+from common.clock import NS_PER_S
+from common.host_clock import MonotonicClock
 from common.link.channels import HAND
 from common.link.transport import open_link
 from common.messages.base import SESSION_BITS

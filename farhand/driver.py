@@ -6,7 +6,8 @@ declares what is checked before anything starts, `stopping` is the stop within t
 driver on a `DriverStand` in its author's tests.
 """
 
-from common.clock import Clock, FakeClock, MonotonicClock
+from common.clock import Clock, FakeClock
+from common.host_clock import MonotonicClock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
 from remote_site.drivers.checks_before_start import DriverCheck, checked_by

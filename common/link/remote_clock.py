@@ -7,7 +7,8 @@ from common.link.aside import Aside
 from common.link.channels import CLOCK
 from common.link.transport import Link
 from common.messages.requests import ClockQuestion
-from common.steady_time import HostTime, SteadyEstimator, host_time
+from common.steady_time import HostTime, SteadyEstimator
+from common.host_clock import host_time
 
 EARLY_ROUNDS = (8, 17)  # of five a second: just before and beyond the patience with a site that has just started
 

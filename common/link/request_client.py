@@ -5,7 +5,8 @@ import threading
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
-from common.clock import NS_PER_MS, NS_PER_S, Clock, MonotonicClock
+from common.clock import NS_PER_MS, NS_PER_S, Clock
+from common.host_clock import MonotonicClock
 from common.errors import SilenceError, TransportError
 from common.link.channels import ANY, Procedure
 from common.link.remote_clock import RemoteClock

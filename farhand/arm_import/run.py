@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ModelError
 from farhand.arm_import.choices.posture import Direction
 from farhand.arm_import.description.arm import ChosenArm, check_joints, choose_arm

@@ -164,7 +164,7 @@ def calibrate_latency_command(
     """
     import secrets
 
-    from common.clock import MonotonicClock
+    from common.host_clock import MonotonicClock
     from common.errors import CalibrationError
     from farhand.calibration.cameras import configured_cameras
     from farhand.calibration.latency.page import PatternPage

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 from common.process.log import LogFormat
 from common.process.service import StopFlag

@@ -20,7 +20,7 @@ def setup(
     """
     from common.cameras.modes import device_of, list_modes
     from common.cameras.sources import open_camera
-    from common.clock import MonotonicClock
+    from common.host_clock import MonotonicClock
     from farhand.setup.conversation import TerminalPerson
     from farhand.setup.finding_cameras import find_devices
     from farhand.setup.run import Tools, set_up

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from common.config import ConfigMistake, ReadConfig, read_config, read_tables
+from common.config.loading import ConfigMistake, ReadConfig, read_config, read_tables
 from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
 from farhand.deployment.mix_ups import COMMANDS

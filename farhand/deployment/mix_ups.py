@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from common.config import read_tables
+from common.config.loading import read_tables
 from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
 from farhand.router import RouterConfig

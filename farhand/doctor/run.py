@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
-from common.config import CURE_UNREAD, apply_setting, load_config, read_tables
+from common.config.loading import CURE_UNREAD, apply_setting, load_config, read_tables
 from common.errors import ConfigError, ConfigFileError, TransportError
 from common.link.config import LinkSecurity, TlsConfig, ViewersConfig
 from common.link.credentials import TABLE, check_viewers

@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 
 import msgspec
 
-from common.config import apply_setting, load_config, read_tables
+from common.config.loading import apply_setting, load_config, read_tables
 from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, known_keys, likeliest
 from farhand.loopback.page_port import page_port

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import structlog
 
-from common.config import apply_setting, load_config, read_tables
+from common.config.loading import apply_setting, load_config, read_tables
 from common.errors import ConfigError, FarhandError
 from common.process.log import LogFormat, log_end, start_log
 from common.process.service import StopFlag, be_nice

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from common.cameras.camera import Camera
 from common.cameras.settings import CameraSettings, given
 from common.cameras.shown_source import shown_source
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import CameraError, InterruptionError, ModelError
 from farhand.deployment.schemas import add_schema
 from farhand.doctor.findings import Severity, as_text, worst

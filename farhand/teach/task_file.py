@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta, field
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.geometry import Array, rotation_from_vector, transform, vector_from_rotation
 from common.messages.robot import GripperCommand
 from remote_site.assist.placement import Row3, transform_of

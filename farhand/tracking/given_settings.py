@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from common.config import apply_setting, load_config
+from common.config.loading import apply_setting, load_config
 from common.errors import ConfigError
 from local_site.config import LocalConfig
 from local_site.tracking.choice import TrackingConfig

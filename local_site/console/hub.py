@@ -6,7 +6,8 @@ from typing import Any, Protocol
 
 import msgspec
 
-from common.clock import NS_PER_MS, ClockEstimate, ClockOffset, MonotonicClock
+from common.clock import NS_PER_MS, ClockEstimate, ClockOffset
+from common.host_clock import MonotonicClock
 from common.messages.hand import HandArm, OperatorSettings
 from common.messages.recording import RecordingNotice
 from common.messages.requests import Description

@@ -9,7 +9,7 @@ import cv2
 import structlog
 
 from common.cameras.lost_pictures import LostPictures
-from common.clock import MonotonicClock
+from common.host_clock import MonotonicClock
 from common.errors import FarhandError
 from common.link.channels import HAND, PREVIEW, STATE
 from common.link.credentials import check_links

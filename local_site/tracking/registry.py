@@ -8,7 +8,7 @@ from typing import Literal, TypeVar
 
 import msgspec
 
-from common.config import ConfigMistake, build
+from common.config.loading import ConfigMistake, build
 from common.errors import ConfigError
 from local_site.calibration.rig import Rig
 from local_site.tracking.silhouette.operator_profile import OperatorProfile

@@ -8,7 +8,7 @@ from typing import TypeVar
 import msgspec
 
 from common.clock import Clock
-from common.config import ConfigMistake, build
+from common.config.loading import ConfigMistake, build
 from common.errors import ConfigError, DriverError, FarhandError
 from remote_site.drivers.driver import Driver
 from remote_site.simulation.memory import CellMemory

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta, field
 
-from common.config import beside
+from common.config.loading import beside
 from common.geometry import Array, transform
 
 MODELS = Path(__file__).parents[1] / "models"

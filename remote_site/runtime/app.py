@@ -7,7 +7,7 @@ from functools import partial
 import msgspec
 import structlog
 
-from common.clock import MonotonicClock
+from common.host_clock import MonotonicClock
 from common.errors import FarhandError, ProcessError
 from common.geometry import Array
 from common.link.channels import CAMERA, KEY_FRAMES, SHOWN, STATE, ChannelSession
@@ -24,7 +24,8 @@ from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.log import LogFormat, log_end, log_summary, start_log
 from common.process.service import StopFlag, notify
 from common.process.viewers import run_viewers
-from common.steady_time import OwnReadings, host_time
+from common.steady_time import OwnReadings
+from common.host_clock import host_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.kinematics.limits import load_arm

@@ -7,7 +7,7 @@ from functools import partial
 
 import msgspec
 
-from common.clock import MonotonicClock
+from common.host_clock import MonotonicClock
 from common.errors import InterruptionError
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.log import start_log

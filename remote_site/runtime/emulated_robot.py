@@ -5,7 +5,8 @@ from collections.abc import Mapping
 
 import msgspec
 
-from common.clock import Clock, MonotonicClock
+from common.clock import Clock
+from common.host_clock import MonotonicClock
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.service import StopFlag
 from remote_site.config import RemoteConfig

@@ -24,7 +24,7 @@ from common.messages.requests import (
 )
 from common.messages.robot import Asker, Pose
 from common.messages.shapes import GripperDescription, ShapesDescription
-from common.steady_time import host_time
+from common.host_clock import host_time
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from common.clock import NS_PER_S, MonotonicClock
+from common.clock import NS_PER_S
+from common.host_clock import MonotonicClock
 from farhand.calibration.latency.page import PatternPage
 from farhand.calibration.latency.pattern import HOLD_MS, pattern_of, sequence
 

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock, OffsetEstimator, RoundTrip
+from common.clock import NS_PER_MS, NS_PER_S, OffsetEstimator, RoundTrip
+from common.host_clock import MonotonicClock
 
 HOUR_NS = 3600 * NS_PER_S
 

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import msgspec
 import pytest
 
-from common.config import beside, load_config
+from common.config.loading import beside, load_config
 from common.errors import ConfigError
 
 

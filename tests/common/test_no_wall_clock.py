@@ -16,7 +16,7 @@ DATED = {  # for people the day of a calibration, a recording, a report, a stop;
     "farhand/doctor/run.py": {"now"},
     "farhand/tracking/run.py": {"now"},
 }
-STEADY = {"common/steady_time.py": {"clock_gettime_ns"}}  # of CLOCK_MONOTONIC_RAW and CLOCK_BOOTTIME
+STEADY = {"common/host_clock.py": {"clock_gettime_ns"}}  # of CLOCK_MONOTONIC_RAW and CLOCK_BOOTTIME
 
 
 def wall_clock_reads(tree: ast.AST) -> set[str]:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 import pytest
 from msgspec import Meta, Struct
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 
 Metres = Annotated[float, Meta(gt=0, le=5, description="reach, m")]
@@ -54,7 +54,7 @@ def test_a_wrong_value_is_told_with_its_cure(setting: str, cure: str) -> None:
 
 
 def test_words_of_another_kind_stay_as_they_are() -> None:
-    from common.type_words import in_plain_words
+    from common.config.type_words import in_plain_words
 
     said: Any = "is missing"
     assert in_plain_words(said, 1) == said

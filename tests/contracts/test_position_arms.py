@@ -2,7 +2,7 @@
 
 import pytest
 
-from common.clock import MonotonicClock
+from common.host_clock import MonotonicClock
 from remote_site.drivers.conformance.checks import CHECKS
 from remote_site.drivers.conformance.machine_pauses import machine_pauses
 from remote_site.drivers.conformance.suite import run_checks, verdicts_of

@@ -14,7 +14,7 @@ import pytest
 import zenoh
 from msgspec.structs import asdict
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError, RefusedError, TransportError
 from common.link.channels import CLOCK, HAND, STATE
 from common.link.config import ViewersConfig

@@ -17,7 +17,7 @@ from lab.stage.network.namespaces import LinkedHosts
 from lab.stage.processes import module_command
 from lab.stage.stand_ins.hand_path import ScriptedPath
 from common.clock import NS_PER_S
-from common.config import load_config
+from common.config.loading import load_config
 from common.geometry import Array, vector_from_rotation
 from common.link.config import LinkSecurity
 from common.link.engagement_client import ask_engagement

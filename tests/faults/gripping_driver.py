@@ -5,7 +5,7 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from common.clock import MonotonicClock
+from common.host_clock import MonotonicClock
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.franka.arm_memory import HandMemory

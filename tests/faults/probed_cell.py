@@ -14,7 +14,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from lab.stage.network.namespaces import LinkedHosts
-from common.clock import MonotonicClock
+from common.host_clock import MonotonicClock
 from common.link.channels import STATE
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.transport import open_link

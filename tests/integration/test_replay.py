@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from farhand.authority.engage import request_engage, request_maintenance

@@ -5,7 +5,8 @@ import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 
-from common.clock import NS_PER_S, Clock, MonotonicClock
+from common.clock import NS_PER_S, Clock
+from common.host_clock import MonotonicClock
 from common.errors import TransportError
 from common.link.channel_feeds import ChannelFeeds
 from common.link.channels import ECHO, LOAD, LOAD_ECHO, PROBE, STATE

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from msgspec.structs import replace
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.geometry import Array
 from farhand.deployment.shipped import HERE
 from local_site.config import LocalConfig

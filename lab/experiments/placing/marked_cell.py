@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, FakeClock
-from common.config import load_config
+from common.config.loading import load_config
 from common.messages.requests import ViewCalibration
 from farhand.deployment.shipped import HERE
 from lab.experiments.placing.network import Messages, Network

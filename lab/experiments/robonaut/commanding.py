@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from common.config import load_config
+from common.config.loading import load_config
 from lab.experiments.report import CsvTable, ExperimentReport, Figures, Progress
 from lab.experiments.robonaut.commanded import (
     CommandedHumanoid,

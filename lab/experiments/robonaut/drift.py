@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.geometry import Array, transform
 from common.messages.hand import TrackingStatus
 from lab.experiments.following import follow_estimates

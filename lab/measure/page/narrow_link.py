@@ -7,7 +7,8 @@ import threading
 from collections.abc import Callable
 from typing import Self
 
-from common.clock import NS_PER_S, MonotonicClock
+from common.clock import NS_PER_S
+from common.host_clock import MonotonicClock
 
 CHUNK_BYTES = 4096
 BUFFER_BYTES = 32768  # a short queue, so that the sender soon notices how much the link carries

@@ -15,7 +15,7 @@ from lab.stage.network.namespaces import LinkedHosts
 from lab.stage.processes import ROOT, module_command
 from lab.stage.stand_ins.hand_path import ScriptedPath
 from lab.measure.wan.setup import CELL, OPERATOR, WanSetup
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ProcessError, TransportError
 from common.geometry import Array, vector_from_rotation
 from common.link.engagement_client import ask_engagement

@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from typing import TypeVar
 
-from common.clock import NS_PER_S, MonotonicClock
+from common.clock import NS_PER_S
+from common.host_clock import MonotonicClock
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.drivers.conformance.call_watch import CallWatch

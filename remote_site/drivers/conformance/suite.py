@@ -3,7 +3,8 @@
 import threading
 from collections.abc import Callable, Sequence
 
-from common.clock import NS_PER_S, MonotonicClock
+from common.clock import NS_PER_S
+from common.host_clock import MonotonicClock
 from common.errors import DriverError, InterruptionError
 from remote_site.drivers.conformance.call_watch import CallWatch
 from remote_site.drivers.conformance.checks import CHECKS, Check

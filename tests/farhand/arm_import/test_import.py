@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError, ModelError
 from farhand.arm_import.description.packages import search_path
 from farhand.arm_import.run import ImportRequest, import_arm

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from farhand.arm_import.run import ImportRequest, import_arm
 from local_site.simulation.motion import PATHS
 from remote_site.config import RemoteConfig

@@ -11,7 +11,8 @@ import pytest
 from structlog.testing import capture_logs
 
 import tests.common.messages.golden_examples as golden
-from common.clock import NS_PER_MS, NS_PER_S, MonotonicClock
+from common.clock import NS_PER_MS, NS_PER_S
+from common.host_clock import MonotonicClock
 from common.errors import RefusedError, TransportError
 from common.link import transport
 from common.link.channels import CLOCK, DESCRIBE, TROUBLE

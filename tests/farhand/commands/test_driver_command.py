@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 import pytest
 import structlog
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.process.log import finish_log
 from common.process.service import StopFlag
 from farhand.cli import main

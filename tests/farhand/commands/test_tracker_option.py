@@ -5,7 +5,7 @@ import re
 import pytest
 from typer.testing import CliRunner
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 from farhand.cli import app
 from farhand.loopback.plan import LoopbackOptions, plan_of

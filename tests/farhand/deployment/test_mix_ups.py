@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 from farhand.commands.options import console_config, load_own
 from farhand.deployment.kinds import KINDS, Configuration

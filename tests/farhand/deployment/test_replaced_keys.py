@@ -7,9 +7,9 @@ from typing import Any, get_args
 import msgspec
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError, RecordingError
-from common.replaced_keys import GONE_KEYS, REPLACED_KEYS
+from common.config.replaced_keys import GONE_KEYS, REPLACED_KEYS
 from farhand.commands.options import load_own
 from farhand.deployment.kinds import KINDS, Configuration
 from remote_site.config import RemoteConfig

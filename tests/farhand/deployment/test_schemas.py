@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from typer.testing import CliRunner
 
-from common.config import read_tables
+from common.config.loading import read_tables
 from farhand.cli import app
 from farhand.deployment.kinds import KINDS
 from farhand.deployment.schemas import schema_of

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from common.config import load_config, read_tables
+from common.config.loading import load_config, read_tables
 from common.errors import ConfigError
 from farhand.cli import app
 from farhand.deployment.shipped import HERE, NAMES

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ProcessError
 from farhand.deployment.shipped import HERE, configuration_files
 from farhand.doctor.findings import Severity, worst

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from common.cameras.settings import CameraSettings
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 from farhand.setup.configuration import configuration, has_sides, offered_methods
 from farhand.setup.notes import SetupAnswers, SetupFolder

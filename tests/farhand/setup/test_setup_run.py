@@ -11,7 +11,7 @@ import pytest
 from msgspec.structs import replace
 
 from common.cameras.settings import CameraSettings
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError, InterruptionError
 from farhand.deployment.schemas import schema_of
 from farhand.setup.conversation import TerminalPerson

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError, TrackingError
 from farhand.cli import app
 from farhand.tracking.run import joint_settings

@@ -7,7 +7,8 @@ import numpy as np
 
 from common.cameras.camera import Frame
 from common.cameras.lost_pictures import LostPictures
-from common.clock import NS_PER_MS, FakeClock, MonotonicClock
+from common.clock import NS_PER_MS, FakeClock
+from common.host_clock import MonotonicClock
 from common.errors import CameraError
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.pairing import PairingConfig

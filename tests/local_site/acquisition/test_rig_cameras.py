@@ -6,7 +6,7 @@ import pytest
 
 import local_site.acquisition.rig_cameras
 from common.cameras.settings import CameraSettings
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import CameraError, ConfigError
 from local_site.acquisition.rig_cameras import open_rig_cameras
 from local_site.calibration.rig import CameraCalibration, Rig

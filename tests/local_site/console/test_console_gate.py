@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 from local_site.console.config import ConsoleConfig, ServeConfig
 from local_site.console.gate import COOKIE, Gate

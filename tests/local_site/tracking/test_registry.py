@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 from common.messages.hand import TrackingStatus
 from farhand.tracking.listing import installed_trackers

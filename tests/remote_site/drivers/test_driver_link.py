@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from common.clock import NS_PER_MS, FakeClock, MonotonicClock
+from common.clock import NS_PER_MS, FakeClock
+from common.host_clock import MonotonicClock
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.faults import FaultCode

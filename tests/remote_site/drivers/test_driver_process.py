@@ -10,7 +10,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-from common.clock import NS_PER_S, MonotonicClock
+from common.clock import NS_PER_S
+from common.host_clock import MonotonicClock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
 from common.process.children import END, Children

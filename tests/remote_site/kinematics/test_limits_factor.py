@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import RobotConfig

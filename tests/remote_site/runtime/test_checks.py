@@ -10,7 +10,7 @@ import pytest
 from msgspec.structs import replace
 from structlog.testing import capture_logs
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 from remote_site.config import RemoteConfig
 from remote_site.drivers.config import DriverConfig

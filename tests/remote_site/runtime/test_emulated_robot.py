@@ -2,7 +2,7 @@
 
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import ConfigError
 from common.process.service import StopFlag
 from remote_site.config import RemoteConfig

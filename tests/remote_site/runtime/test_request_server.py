@@ -11,7 +11,8 @@ from typing import NamedTuple
 import pytest
 
 import tests.common.messages.golden_examples as golden
-from common.clock import NS_PER_S, MonotonicClock
+from common.clock import NS_PER_S
+from common.host_clock import MonotonicClock
 from common.link.channels import CLOCK, DESCRIBE, Procedure
 from common.link.transport import PENDING_REQUESTS, open_link, open_router
 from common.messages.base import Message

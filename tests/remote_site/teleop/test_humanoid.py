@@ -4,7 +4,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.messages.hand import TrackingStatus
 from lab.experiments.following import FollowingArm
 from farhand.loopback.scenario import (

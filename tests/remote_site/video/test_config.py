@@ -2,7 +2,7 @@
 
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from remote_site.config import RemoteConfig
 from remote_site.video.config import CameraConfig
 

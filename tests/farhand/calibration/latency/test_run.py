@@ -10,7 +10,7 @@ import pytest
 
 from common.cameras.camera import Frame
 from common.clock import FakeClock
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import CameraError, ConfigError, InterruptionError
 from farhand.calibration.cameras import CameraSetup, configured_cameras
 from farhand.calibration.latency.page import PatternPage, page_text

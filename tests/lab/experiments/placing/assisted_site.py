@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_MS, FakeClock
-from common.config import load_config
+from common.config.loading import load_config
 from common.geometry import Array, angle_between, transform
 from common.messages.hand import Intent
 from farhand.deployment.shipped import HERE

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import CameraError, InterruptionError
 from common.messages.hand import TrackingStatus
 from lab.experiments.robonaut import commanding

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from common.clock import NS_PER_MS, FakeClock
-from common.config import load_config
+from common.config.loading import load_config
 from common.errors import DriverError
 from common.geometry import Array
 from remote_site.config import RemoteConfig

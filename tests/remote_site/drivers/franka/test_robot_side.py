@@ -5,7 +5,7 @@ import time
 import pytest
 from structlog.testing import capture_logs
 
-from common.clock import MonotonicClock
+from common.host_clock import MonotonicClock
 from common.process.children import END_TIMEOUT_S
 from remote_site.drivers.franka import robot_side
 from remote_site.drivers.franka.config import FrankaConfig

@@ -7,7 +7,7 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from common.clock import MonotonicClock
+from common.host_clock import MonotonicClock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand

@@ -3,7 +3,7 @@
 from datetime import UTC, datetime
 from pathlib import Path
 
-from common.config import load_config
+from common.config.loading import load_config
 from farhand.tracking.results.report.origin import origin_rows
 from local_site.config import LocalConfig
 

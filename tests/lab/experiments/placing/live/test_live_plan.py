@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from common.config import load_config
+from common.config.loading import load_config
 from lab.experiments.placing.live.plan import OPERATOR_NAME, live_plan
 from lab.experiments.placing.trial import WRIST_M, Conditions, remote_config
 from local_site.config import LocalConfig

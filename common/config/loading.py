@@ -15,8 +15,8 @@ from typing import Annotated, Any, Generic, Literal, TypeVar, Union, get_args, g
 import msgspec
 
 from common.errors import ConfigError, ConfigFileError
-from common.replaced_keys import GONE_KEYS, REPLACED_KEYS
-from common.type_words import in_plain_words
+from common.config.replaced_keys import GONE_KEYS, REPLACED_KEYS
+from common.config.type_words import in_plain_words
 
 S = TypeVar("S", bound=msgspec.Struct)
 KeyPath = tuple[str, ...]
