@@ -19,7 +19,7 @@ from common.link.endpoints import Endpoint, check_endpoint, check_free
 from common.link.lanes import LANES, LanePublisher
 from common.link.probe import VIEWERS_CURE, identity_refusal, refusal, speaks_tls
 from common.link.pubsub import Latest, Publisher
-from common.link.quic_doubt import QuicDoubt, blocked_sentence
+from common.link.quic_blockage import QuicBlockageDetector, blocked_sentence
 from common.link.roles import Role
 from common.link.runtime import prepare
 from common.link.send_queues import SendQueues
@@ -69,7 +69,7 @@ class Link:
         self._credentials = credentials
         self._sessions = sessions
         self._was_up = False
-        self._quic_doubt = QuicDoubt()
+        self._quic_doubt = QuicBlockageDetector()
 
     def __enter__(self) -> Self:
         return self

@@ -117,7 +117,7 @@ def ghost(told: Told, camera: str) -> np.ndarray:
     return (np.array(found["points"]).reshape(-1, 2) + 0.5 - margin) / scale
 
 
-def haunted(told: Told, camera: str) -> np.ndarray:
+def ghosts_drawn(told: Told, camera: str) -> np.ndarray:
     """Where the ghost is drawn, once it is; a busy machine's pictures may be too old for it for a while."""
     drawn: list[np.ndarray] = []
     told.until(f"the ghost in {camera}", lambda: drawn.append(ghost(told, camera)) or len(drawn[-1]) > 50)
@@ -130,7 +130,7 @@ def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> 
     q = told.state().q_commanded
     for camera in ("front_high", "front_low", "side"):
         u, v, w = np.reshape(calibrations[camera].projection, (3, 4)) @ [*scene.MODEL.position(np.array(q)), 1.0]
-        drawn = haunted(told, camera)
+        drawn = ghosts_drawn(told, camera)
         assert np.linalg.norm(drawn - (u / w, v / w), axis=1).min() < 3.0, camera
     assert told.page.page.inner_text("[data-name=side] .explains") == "violet: the arm as commanded"
     told.shot("ghost")

@@ -8,9 +8,9 @@ from typing import Any
 from common.host_clock import MonotonicClock
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, GripperReading, JointCommand, RobotReading
-from remote_site.drivers.franka.arm_memory import HandMemory
-from remote_site.drivers.franka.hand_loop import HandLoop, run_hand_loop
-from remote_site.drivers.franka.robot_port import HandState, LinkLostError, UnreachableError
+from remote_site.drivers.franka.arm_memory import GripperMemory
+from remote_site.drivers.franka.gripper_loop import GripperLoop, run_gripper_loop
+from remote_site.drivers.franka.robot_port import GripperWidth, LinkLostError, UnreachableError
 from remote_site.drivers.gripper_orders import GripperOrders
 from remote_site.drivers.registry import DriverHost
 from tests.faults.emulated_robot import OBJECT_M
@@ -31,10 +31,10 @@ class Fingers:
             raise UnreachableError("the gripper does not answer")
         return self
 
-    def read(self) -> HandState:
+    def read(self) -> GripperWidth:
         if self.lost:
             raise LinkLostError("the gripper does not answer")
-        return HandState(self.opening_m, WIDEST_M)
+        return GripperWidth(self.opening_m, WIDEST_M)
 
     def open(self, width_m: float, speed_m_s: float) -> bool:  # noqa: ARG002  # as the protocol names it
         return self._go(width_m)
@@ -53,10 +53,10 @@ class GrippingDriver(RecordingDriver):
 
     def __init__(self, host: DriverHost) -> None:
         super().__init__(host)
-        self._fingers, self._memory, self._orders = Fingers(), HandMemory(), GripperOrders()
-        loop = HandLoop(self._fingers.connected, self._memory, MonotonicClock(), 0.1, 25.0)
+        self._fingers, self._memory, self._orders = Fingers(), GripperMemory(), GripperOrders()
+        loop = GripperLoop(self._fingers.connected, self._memory, MonotonicClock(), 0.1, 25.0)
         arguments = (loop, MonotonicClock(), lambda: None)
-        threading.Thread(target=run_hand_loop, args=arguments, daemon=True).start()
+        threading.Thread(target=run_gripper_loop, args=arguments, daemon=True).start()
 
     @property
     def capabilities(self) -> Capabilities:

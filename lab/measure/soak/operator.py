@@ -28,7 +28,7 @@ SAMPLE_NS = NS_PER_S // 30
 REACH_M = 0.45
 TURN_RAD = 1.2
 HAND = np.array([[0.0, 0.0, 0.0], [0.02, -0.17, 0.0], [-0.05, -0.1, 0.01]])  # wrist, index and thumb from the wrist
-HAPPENINGS = {
+EVENT_CHANCES = {
     "lost": 0.003,
     "silent": 0.004,
     "no number": 0.006,
@@ -106,7 +106,7 @@ class RandomOperator:
         self._bad, self._until_ns = "", 0
         self._lease = self._acquire(1, now_ns)
         self._settings = OperatorSettings(lease=self._lease.number)
-        self.happened = dict.fromkeys(HAPPENINGS, 0)
+        self.happened = dict.fromkeys(EVENT_CHANCES, 0)
 
     def arrived(self, now_ns: int) -> list[NamedSample]:
         """The samples that have arrived, in the order of arrival."""
@@ -116,7 +116,7 @@ class RandomOperator:
         return self._wire.arrived(now_ns)
 
     def _capture(self, t_ns: int) -> None:
-        kinds = [kind for kind, chance in HAPPENINGS.items() if self._rng.random() < chance]
+        kinds = [kind for kind, chance in EVENT_CHANCES.items() if self._rng.random() < chance]
         for kind in kinds:
             self.happened[kind] += 1
         self._steer(kinds)

@@ -51,7 +51,7 @@ export class ArmRoom {
   }
 
   /** The name of the limit that keeps the arm from following, null while none does. */
-  hinder(name) {
+  showLimit(name) {
     this.#limit = { ...this.#limit, name };
   }
 

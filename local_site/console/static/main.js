@@ -96,9 +96,9 @@ const handlers = {
     const condition = bar.show(message);
     arm.show(message.robot);
     const limit = condition.limit ?? null;
-    arm.hinder(limit);
-    views.hinder(limit);
-    views.haunt(message.robot);
+    arm.showLimit(limit);
+    views.showLimit(limit);
+    views.showGhost(message.robot);
     views.offer(message.robot);
     views.sayWhatIsMissing(message.hand, replay.isShown);
     if (!replay.isShown) operate(message, condition);

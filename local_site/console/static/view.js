@@ -104,8 +104,8 @@ export class View {
   }
 
   /** Draw the commanded arm over a picture that is young enough to be compared with it, and say so, or nothing. */
-  haunt(cell, robot) {
-    this.#labels.explain(this.#overlays.haunt(cell, this.#isFresh && this.#fits ? robot : null));
+  showGhost(cell, robot) {
+    this.#labels.explain(this.#overlays.showGhost(cell, this.#isFresh && this.#fits ? robot : null));
   }
 
   /** Take a message of this view; resolves when it is painted or skipped, to false where a key frame is needed. */

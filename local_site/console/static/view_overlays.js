@@ -21,7 +21,7 @@ export class ViewOverlays {
   }
 
   /** Draw the commanded arm of a robot, or none; whether it is drawn. */
-  haunt(cell, robot) {
+  showGhost(cell, robot) {
     if (robot === null) this.#ghost?.clear();
     else this.#ghost?.draw(cell, robot);
     return robot !== null && this.#ghost !== null;

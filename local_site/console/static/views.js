@@ -55,7 +55,7 @@ export class Views {
   }
 
   /** Draw the commanded arm over the calibrated cameras' pictures. */
-  haunt(robot) {
+  showGhost(robot) {
     this.#robot = this.#cell !== null && robot !== null && !robot.silent ? robot : null;
     this.#draw();
   }
@@ -69,14 +69,14 @@ export class Views {
   #draw() {
     if (!this.#isCalibrated || document.hidden) return; // nothing is drawn over the pictures
     for (const [name, view] of this.#views) {
-      view.haunt(this.#cell, this.#ghost.isOn ? this.#robot : null);
+      view.showGhost(this.#cell, this.#ghost.isOn ? this.#robot : null);
       const sees = this.#offered?.target.views.some((camera) => name === CAMERA + camera);
       view.offer(sees ? this.#offered : null, this.#path);
     }
   }
 
   /** The name of the limit that keeps the arm from following, null while none does. */
-  hinder(limit) {
+  showLimit(limit) {
     this.#limit = limit;
   }
 

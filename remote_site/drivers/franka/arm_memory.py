@@ -75,7 +75,7 @@ class ArmMemory:
 
 
 @dataclass
-class HandMemory:
+class GripperMemory:
     """Orders of the driver to the gripper's process, numbered, and which of them is done with which opening."""
 
     _orders: SharedRecord = field(default_factory=lambda: SharedRecord(HAND_ORDER))

@@ -15,7 +15,7 @@ from remote_site.drivers.franka.connecting import connection_error
 from remote_site.drivers.franka.robot_errors import ERRORS
 from remote_site.drivers.franka.robot_port import (
     ArmState,
-    HandState,
+    GripperWidth,
     LinkLostError,
     MotionAbortedError,
     RobotRefusedError,
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 MS_PER_S = 1000
 NS_PER_MS = 1_000_000
-ANY_WIDTH_M = 0.1  # of what is grasped: more than the hand opens
+ANY_WIDTH_M = 0.1  # of what is grasped: more than the gripper opens
 
 
 class FrankaMotion:
@@ -77,7 +77,7 @@ class FrankaRobot:
             self._robot.automatic_error_recovery()
 
 
-class FrankaHand:
+class FrankaGripper:
     """A connection to the gripper's server; UnreachableError when it cannot be made."""
 
     def __init__(self, host: str) -> None:
@@ -86,11 +86,11 @@ class FrankaHand:
         with _connecting(host):
             self._gripper = pylibfranka.Gripper(host)
 
-    def read(self) -> HandState:
+    def read(self) -> GripperWidth:
         """Wait for the next state."""
         with _named():
             state = self._gripper.read_once()
-        return HandState(float(state.width), float(state.max_width))
+        return GripperWidth(float(state.width), float(state.max_width))
 
     def open(self, width_m: float, speed_m_s: float) -> bool:
         """Open, and wait for it."""

@@ -17,7 +17,7 @@ from remote_site.drivers.driver import (
     RobotReading,
 )
 from remote_site.drivers.faults import NOT_ACTIVATED, STILL_MOVING, STOPPED, FaultCode, RobotFault
-from remote_site.drivers.franka.arm_memory import ArmMemory, ArmStatus, HandMemory
+from remote_site.drivers.franka.arm_memory import ArmMemory, ArmStatus, GripperMemory
 from remote_site.drivers.franka.config import FrankaConfig
 from remote_site.drivers.franka.connecting import SILENT
 from remote_site.drivers.franka.played_motion import WATCHDOG_MS
@@ -32,13 +32,13 @@ STALE_NS = 50 * NS_PER_MS
 
 
 class RobotSide(Protocol):
-    """What talks to the robot beside the driver, and the memory shared with it; `hand` is None without a gripper.
+    """What talks to the robot beside the driver, and the memory shared with it; `gripper` is None without a gripper.
 
     `failure` is why it has ended by itself, "" while it has not.
     """
 
     arm: ArmMemory
-    hand: HandMemory | None
+    gripper: GripperMemory | None
 
     def start(self, setup: DriverSetup) -> None: ...
 
@@ -95,7 +95,7 @@ class FrankaDriver:
     def read(self) -> RobotReading:
         """The newest state of the robot; DriverError before the first."""
         status = self._measured()
-        opening_m = self._side.hand.opening_m if self._side.hand is not None else None
+        opening_m = self._side.gripper.opening_m if self._side.gripper is not None else None
         grip = GripperReading(opening_m, None) if opening_m is not None else None
         return RobotReading(status.t_ns, status.q, status.dq, grip, self._fault(status), self._obeyed(status))
 
@@ -129,12 +129,12 @@ class FrankaDriver:
         if command.gripper is GripperCommand.KEEP:
             self._withdraw_grip()
         order = self._gripper.note(command.gripper, command.t_ns)
-        if order is not None and self._side.hand is not None:
-            self._side.hand.order(order)
+        if order is not None and self._side.gripper is not None:
+            self._side.gripper.order(order)
 
     def _withdraw_grip(self) -> None:
-        if self._gripper.withdraw() and self._side.hand is not None:
-            self._side.hand.withdraw()
+        if self._gripper.withdraw() and self._side.gripper is not None:
+            self._side.gripper.withdraw()
 
     def _at_rest(self) -> JointCommand:
         zero = np.zeros(JOINTS)

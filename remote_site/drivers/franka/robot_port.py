@@ -41,7 +41,7 @@ class ArmState:
 
 
 @dataclass(frozen=True, slots=True)
-class HandState:
+class GripperWidth:
     """The gripper: the opening between its fingers and the widest one, m."""
 
     opening_m: float
@@ -66,10 +66,10 @@ class RobotPort(Protocol):
     def recover(self) -> None: ...
 
 
-class HandPort(Protocol):
+class GripperPort(Protocol):
     """A connection to the gripper's server; `open` and `close` wait for the fingers, and say whether all went well."""
 
-    def read(self) -> HandState: ...
+    def read(self) -> GripperWidth: ...
 
     def open(self, width_m: float, speed_m_s: float) -> bool: ...
 

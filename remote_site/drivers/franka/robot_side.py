@@ -9,10 +9,10 @@ from common.process.children import Children, Heartbeat, ends_at_once
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.drivers.driver import DriverSetup
 from remote_site.drivers.franka.arm_loop import ArmLoop, run_arm_loop
-from remote_site.drivers.franka.arm_memory import ArmMemory, HandMemory
-from remote_site.drivers.franka.client import FrankaHand, FrankaRobot
+from remote_site.drivers.franka.arm_memory import ArmMemory, GripperMemory
+from remote_site.drivers.franka.client import FrankaGripper, FrankaRobot
 from remote_site.drivers.franka.config import FrankaConfig
-from remote_site.drivers.franka.hand_loop import HandLoop, run_hand_loop
+from remote_site.drivers.franka.gripper_loop import GripperLoop, run_gripper_loop
 from remote_site.drivers.franka.robot_watch import RobotWatch, connected_once
 
 FIFO_PRIORITY = 48  # below control, above the driver's process: each millisecond of the robot is answered in time
@@ -26,14 +26,14 @@ class RobotProcesses:
         self._children = Children("franka")
         self._ended = False
         self.arm = ArmMemory()
-        self.hand = HandMemory() if config.gripper else None
+        self.gripper = GripperMemory() if config.gripper else None
 
     def start(self, setup: DriverSetup) -> None:
         """Start them; they connect by themselves."""
         self._children.start("arm", partial(self._run_arm, setup))
-        if self.hand is not None:
-            hand = partial(self._run_hand, self.hand, setup)
-            self._children.start("gripper", lambda _, heartbeat: hand(heartbeat), vital=False)
+        if self.gripper is not None:
+            run = partial(self._run_gripper, self.gripper, setup)
+            self._children.start("gripper", lambda _, heartbeat: run(heartbeat), vital=False)
 
     def failure(self) -> str:
         """Why the arm's process has ended, "" while it runs."""
@@ -62,9 +62,9 @@ class RobotProcesses:
         gc.freeze()  # collecting all that was imported would take several of the robot's milliseconds
         run_arm_loop(loop, should_stop, heartbeat.beat)
 
-    def _run_hand(self, memory: HandMemory, setup: DriverSetup, heartbeat: Heartbeat) -> None:
+    def _run_gripper(self, memory: GripperMemory, setup: DriverSetup, heartbeat: Heartbeat) -> None:
         config = self._config
-        connect = partial(FrankaHand, config.host)
-        loop = HandLoop(connect, memory, self._clock, config.gripper_speed_m_s, setup.grip_force_n)
+        connect = partial(FrankaGripper, config.host)
+        loop = GripperLoop(connect, memory, self._clock, config.gripper_speed_m_s, setup.grip_force_n)
         with ends_at_once():  # the client waits for the fingers; what they hold stays held
-            run_hand_loop(loop, self._clock, heartbeat.beat)
+            run_gripper_loop(loop, self._clock, heartbeat.beat)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 from common.link.channels import CLOCK, TROUBLE
 from common.link.endpoints import Endpoint
-from common.link.quic_doubt import QuicDoubt
+from common.link.quic_blockage import QuicBlockageDetector
 from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
 from common.link.trouble_report import tell_by_tls
@@ -39,7 +39,7 @@ class Doubt:
     """A doubt about an endpoint, at times that are told."""
 
     def __init__(self, protocol: str = "quic") -> None:
-        self._doubt, self._endpoint = QuicDoubt(), Endpoint(protocol, "cell", 7447)
+        self._doubt, self._endpoint = QuicBlockageDetector(), Endpoint(protocol, "cell", 7447)
 
     def at(self, now_s: float, *, answers: bool = True, was_up: bool = False, took_s: float = 0.0) -> str | None:
         """The verdict once the endpoint has answered by TLS, or not, which took so long."""

@@ -6,7 +6,7 @@ from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand, RobotReading
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
-from tests.remote_site.drivers.franka.fake_robot import SETUP, FakeHand, FakeRobot, SteppedSide, stepped_driver
+from tests.remote_site.drivers.franka.fake_robot import SETUP, FakeGripper, FakeRobot, SteppedSide, stepped_driver
 
 TICK_MS = 4
 
@@ -14,9 +14,9 @@ TICK_MS = 4
 class DrivenArm:
     """The driver, configured; `robot` is the fake one."""
 
-    def __init__(self, robot: FakeRobot | None = None, hand: FakeHand | None = None) -> None:
-        self.robot, self.hand = robot or FakeRobot(), hand or FakeHand()
-        self.side = SteppedSide(self.robot, self.hand)
+    def __init__(self, robot: FakeRobot | None = None, gripper: FakeGripper | None = None) -> None:
+        self.robot, self.gripper = robot or FakeRobot(), gripper or FakeGripper()
+        self.side = SteppedSide(self.robot, self.gripper)
         self.driver = stepped_driver(self.side)
         self.driver.configure(SETUP)
         self.seq = 0

@@ -14,11 +14,11 @@ from remote_site.drivers.config import DRIVER_FILES, FRANKA
 from remote_site.drivers.conformance.trial import DriverStand
 from remote_site.drivers.driver import DriverSetup
 from remote_site.drivers.franka.arm_loop import ArmLoop
-from remote_site.drivers.franka.arm_memory import ArmMemory, HandMemory
+from remote_site.drivers.franka.arm_memory import ArmMemory, GripperMemory
 from remote_site.drivers.franka.config import FrankaConfig
 from remote_site.drivers.franka.driver import FrankaDriver
-from remote_site.drivers.franka.hand_loop import HandLoop
-from remote_site.drivers.franka.robot_port import ArmState, HandState, LinkLostError, UnreachableError
+from remote_site.drivers.franka.gripper_loop import GripperLoop
+from remote_site.drivers.franka.robot_port import ArmState, GripperWidth, LinkLostError, UnreachableError
 from remote_site.drivers.franka.robot_watch import RobotWatch
 from remote_site.runtime.driver_process import setup_of
 
@@ -85,8 +85,8 @@ class FakeRobot:
 
 
 @dataclass
-class FakeHand:
-    """A `HandPort` whose fingers are there at once, closed on `object_m`, unless its link is `lost`."""
+class FakeGripper:
+    """A `GripperPort` whose fingers are there at once, closed on `object_m`, unless its link is `lost`."""
 
     opening_m: float = 0.04
     object_m: float = 0.0
@@ -95,15 +95,15 @@ class FakeHand:
     lost: bool = False
     calls: list[str] = field(default_factory=list)
 
-    def connected(self) -> "FakeHand":
+    def connected(self) -> "FakeGripper":
         if self.lost:
             raise UnreachableError("the gripper does not answer")
         return self
 
-    def read(self) -> HandState:
+    def read(self) -> GripperWidth:
         if self.lost:
             raise LinkLostError("the gripper does not answer")
-        return HandState(self.opening_m, self.widest_m)
+        return GripperWidth(self.opening_m, self.widest_m)
 
     def open(self, width_m: float, speed_m_s: float) -> bool:  # noqa: ARG002  # as the protocol names it
         self._note(f"open {width_m:g}")
@@ -124,23 +124,23 @@ class FakeHand:
 class SteppedSide(FakeClock):
     """A `RobotSide` without processes, and the clock that takes it along, millisecond by millisecond.
 
-    While `hand_waits` the gripper's process does nothing, as in a call that has not returned.
+    While `gripper_waits` the gripper's process does nothing, as in a call that has not returned.
     """
 
-    def __init__(self, robot: FakeRobot, hand: FakeHand | None, connect: Callable[[], FakeRobot] | None = None) -> None:
+    def __init__(self, robot: FakeRobot, gripper: FakeGripper | None, connect: Callable[[], FakeRobot] | None = None) -> None:
         super().__init__(NS_PER_MS * 1000)
-        self.robot, self._grips, self._connect = robot, hand, connect or (lambda: robot)
-        self.arm, self.hand = ArmMemory(), HandMemory() if hand is not None else None
+        self.robot, self._grips, self._connect = robot, gripper, connect or (lambda: robot)
+        self.arm, self.gripper = ArmMemory(), GripperMemory() if gripper is not None else None
         self.loop: ArmLoop | None = None
-        self._hand_loop: HandLoop | None = None
+        self._gripper_loop: GripperLoop | None = None
         self.failed = ""
-        self.ended = self.hand_waits = False
+        self.ended = self.gripper_waits = False
 
     def start(self, setup: DriverSetup) -> None:
         now = _Now(self)
         self.loop = ArmLoop(RobotWatch(self._connect, now), self.arm, setup)
-        if self._grips is not None and self.hand is not None:
-            self._hand_loop = HandLoop(self._grips.connected, self.hand, now, 0.1, setup.grip_force_n)
+        if self._grips is not None and self.gripper is not None:
+            self._gripper_loop = GripperLoop(self._grips.connected, self.gripper, now, 0.1, setup.grip_force_n)
 
     def failure(self) -> str:
         return self.failed
@@ -155,8 +155,8 @@ class SteppedSide(FakeClock):
             self.time_ns += NS_PER_MS
             if self.loop is not None and not self.failed and (not self.ended or self.loop.moving):
                 self.loop.turn()
-            if self._hand_loop is not None and not self.hand_waits and self.time_ns // NS_PER_MS % 10 == 0:
-                self._hand_loop.turn()
+            if self._gripper_loop is not None and not self.gripper_waits and self.time_ns // NS_PER_MS % 10 == 0:
+                self._gripper_loop.turn()
 
     def pass_ms(self, ms: int) -> None:
         self.sleep_until_ns(self.time_ns + ms * NS_PER_MS)
@@ -178,15 +178,15 @@ class _Now(FakeClock):
 
 def stepped_driver(side: SteppedSide) -> FrankaDriver:
     """A driver of the stepped robot, with a gripper where it has one."""
-    return FrankaDriver(FrankaConfig(host="fake", gripper=side.hand is not None), side, side)
+    return FrankaDriver(FrankaConfig(host="fake", gripper=side.gripper is not None), side, side)
 
 
 def franka_stand() -> DriverStand:
     """A stand for the conformance suite; each driver connects anew to the same robot."""
-    side = SteppedSide(FakeRobot(), FakeHand())
+    side = SteppedSide(FakeRobot(), FakeGripper())
 
     def make() -> FrankaDriver:
-        side.arm, side.hand, side.loop, side.ended = ArmMemory(), HandMemory(), None, False
+        side.arm, side.gripper, side.loop, side.ended = ArmMemory(), GripperMemory(), None, False
         return stepped_driver(side)
 
     return DriverStand(side, SETUP, make, CONFIG.robot.start)

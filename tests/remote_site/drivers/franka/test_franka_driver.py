@@ -16,7 +16,7 @@ from tests.remote_site.drivers.franka.driven_arm import DrivenArm
 from tests.remote_site.drivers.franka.fake_robot import (
     SAG,
     SETUP,
-    FakeHand,
+    FakeGripper,
     FakeRobot,
     SteppedSide,
     franka_stand,
@@ -246,28 +246,28 @@ def test_a_process_that_died_is_a_fault() -> None:
 
 
 def test_the_gripper_obeys_each_change_once_and_is_not_measured_meanwhile() -> None:
-    arm = DrivenArm(hand=FakeHand(object_m=0.03)).activate()
+    arm = DrivenArm(gripper=FakeGripper(object_m=0.03)).activate()
     rest = JointMotion.at_rest(arm.read().q)
     arm.side.pass_ms(20)
     assert arm.read().gripper is not None
     for command in (GripperCommand.KEEP, GripperCommand.CLOSED, GripperCommand.CLOSED, GripperCommand.KEEP):
         arm.write(rest, command)
-        if command is GripperCommand.CLOSED and not arm.hand.calls:
+        if command is GripperCommand.CLOSED and not arm.gripper.calls:
             assert arm.read().gripper is None
         arm.side.pass_ms(20)
     arm.write(rest, GripperCommand.OPEN)
     arm.side.pass_ms(20)
-    assert arm.hand.calls == [f"close {SETUP.grip_force_n:g}", "open 0.08"]
+    assert arm.gripper.calls == [f"close {SETUP.grip_force_n:g}", "open 0.08"]
     grip = arm.read().gripper
     assert grip is not None
     assert (grip.opening_m, grip.force_n) == (0.08, None)
 
 
 def test_a_gripper_that_was_not_homed_is_not_sent_to_its_unknown_width() -> None:
-    arm = DrivenArm(hand=FakeHand(widest_m=0.0)).activate()
+    arm = DrivenArm(gripper=FakeGripper(widest_m=0.0)).activate()
     arm.write(JointMotion.at_rest(arm.read().q), GripperCommand.OPEN)
     arm.side.pass_ms(40)
-    assert arm.hand.calls == []
+    assert arm.gripper.calls == []
     grip = arm.read().gripper
     assert grip is not None
     assert grip.opening_m == 0.04
@@ -275,9 +275,9 @@ def test_a_gripper_that_was_not_homed_is_not_sent_to_its_unknown_width() -> None
 
 @pytest.mark.parametrize("error", [RobotRefusedError("not homed"), LinkLostError("gone")])
 def test_a_gripper_that_fails_stops_no_arm(error: DriverError) -> None:
-    arm = DrivenArm(hand=FakeHand(raises=error)).activate()
+    arm = DrivenArm(gripper=FakeGripper(raises=error)).activate()
     arm.side.pass_ms(20)
     arm.write(JointMotion.at_rest(arm.read().q), GripperCommand.CLOSED)
     arm.side.pass_ms(40)
-    assert arm.hand.calls[0] == f"close {SETUP.grip_force_n:g}"
+    assert arm.gripper.calls[0] == f"close {SETUP.grip_force_n:g}"
     assert arm.code() == ""

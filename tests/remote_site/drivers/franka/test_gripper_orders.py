@@ -9,7 +9,7 @@ from common.messages.robot import GripperCommand
 from remote_site.drivers.gripper_orders import ORDER_NS
 from remote_site.kinematics.joints import JointMotion
 from tests.remote_site.drivers.franka.driven_arm import DrivenArm
-from tests.remote_site.drivers.franka.fake_robot import SETUP, FakeHand
+from tests.remote_site.drivers.franka.fake_robot import SETUP, FakeGripper
 
 CLOSES = f"close {SETUP.grip_force_n:g}"
 HELD_M = 0.03
@@ -18,7 +18,7 @@ LATE_MS = ORDER_NS // NS_PER_MS + 50
 
 def holding() -> DrivenArm:
     """An active arm whose gripper holds something, and is measured."""
-    arm = DrivenArm(hand=FakeHand(opening_m=HELD_M, object_m=HELD_M)).activate()
+    arm = DrivenArm(gripper=FakeGripper(opening_m=HELD_M, object_m=HELD_M)).activate()
     arm.side.pass_ms(30)
     return arm
 
@@ -53,28 +53,28 @@ def stop_and_activate(arm: DrivenArm) -> None:
 @pytest.mark.parametrize("meanwhile", [nothing, stop, stop_and_activate])
 def test_what_is_ordered_while_the_link_is_down_is_never_done(meanwhile: Callable[[DrivenArm], None]) -> None:
     arm = holding()
-    arm.hand.lost = True
+    arm.gripper.lost = True
     arm.side.pass_ms(20)
     order(arm, GripperCommand.OPEN)
     meanwhile(arm)
     assert opening_m(arm) is None
-    arm.hand.lost = False
+    arm.gripper.lost = False
     arm.side.pass_ms(100)
     if meanwhile is not stop:
         order(arm, GripperCommand.KEEP if meanwhile is stop_and_activate else GripperCommand.OPEN)
-    assert arm.hand.calls == []
+    assert arm.gripper.calls == []
     assert opening_m(arm) == HELD_M
 
 
 def test_the_next_order_after_the_link_is_back_is_done() -> None:
     arm = holding()
-    arm.hand.lost = True
+    arm.gripper.lost = True
     order(arm, GripperCommand.OPEN)
-    arm.hand.lost = False
+    arm.gripper.lost = False
     arm.side.pass_ms(30)
     for gripper in (GripperCommand.CLOSED, GripperCommand.OPEN):
         order(arm, gripper)
-    assert arm.hand.calls == [CLOSES, "open 0.08"]
+    assert arm.gripper.calls == [CLOSES, "open 0.08"]
 
 
 @pytest.mark.parametrize("withdraw", [stop, stop_and_activate])
@@ -82,33 +82,33 @@ def test_a_stop_and_an_activation_withdraw_what_waits_behind_a_call_that_has_not
     withdraw: Callable[[DrivenArm], None],
 ) -> None:
     arm = holding()
-    arm.side.hand_waits = True
+    arm.side.gripper_waits = True
     order(arm, GripperCommand.OPEN)
     withdraw(arm)
-    arm.side.hand_waits = False
+    arm.side.gripper_waits = False
     arm.side.pass_ms(30)
-    assert arm.hand.calls == []
+    assert arm.gripper.calls == []
     assert opening_m(arm) == HELD_M
 
 
 @pytest.mark.parametrize(("waits_ms", "calls"), [(LATE_MS - 200, ["open 0.08"]), (LATE_MS, [])])
 def test_an_order_that_waits_for_longer_than_a_second_is_never_done(waits_ms: int, calls: list[str]) -> None:
     arm = holding()
-    arm.side.hand_waits = True
+    arm.side.gripper_waits = True
     order(arm, GripperCommand.OPEN, waits_ms)
-    arm.side.hand_waits = False
+    arm.side.gripper_waits = False
     order(arm, GripperCommand.OPEN)
-    assert arm.hand.calls == calls
+    assert arm.gripper.calls == calls
 
 
 def test_of_what_waits_the_newest_is_done() -> None:
     arm = holding()
-    arm.side.hand_waits = True
+    arm.side.gripper_waits = True
     for gripper in (GripperCommand.OPEN, GripperCommand.CLOSED):
         order(arm, gripper)
-    arm.side.hand_waits = False
+    arm.side.gripper_waits = False
     order(arm, GripperCommand.CLOSED)
-    assert arm.hand.calls == [CLOSES]
+    assert arm.gripper.calls == [CLOSES]
 
 
 def test_after_an_activation_the_same_command_is_a_new_order() -> None:
@@ -116,15 +116,15 @@ def test_after_an_activation_the_same_command_is_a_new_order() -> None:
     order(arm, GripperCommand.CLOSED)
     stop_and_activate(arm)
     order(arm, GripperCommand.CLOSED)
-    assert arm.hand.calls == [CLOSES, CLOSES]
+    assert arm.gripper.calls == [CLOSES, CLOSES]
 
 
 def test_what_is_withdrawn_leaves_the_opening_measured() -> None:
     arm = holding()
-    arm.side.hand_waits = True
+    arm.side.gripper_waits = True
     order(arm, GripperCommand.OPEN)
     order(arm, GripperCommand.KEEP)
-    arm.side.hand_waits = False
+    arm.side.gripper_waits = False
     arm.side.pass_ms(30)
-    assert arm.hand.calls == []
+    assert arm.gripper.calls == []
     assert opening_m(arm) == HELD_M

@@ -44,7 +44,7 @@ class Answering(FakeRobot):
 @pytest.mark.parametrize("robot", [Waiting, Answering])
 def test_both_end_while_they_wait(robot: type, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(robot_side, "FrankaRobot", robot)
-    monkeypatch.setattr(robot_side, "FrankaHand", Waiting)
+    monkeypatch.setattr(robot_side, "FrankaGripper", Waiting)
     side = RobotProcesses(CONFIG, MonotonicClock())
     side.start(SETUP)
     time.sleep(IN_THE_CALL_S)

@@ -9,16 +9,16 @@ import structlog
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
-from remote_site.drivers.franka.arm_memory import HandMemory
-from remote_site.drivers.franka.robot_port import HandPort, LinkLostError, RobotRefusedError
+from remote_site.drivers.franka.arm_memory import GripperMemory
+from remote_site.drivers.franka.robot_port import GripperPort, LinkLostError, RobotRefusedError
 from remote_site.drivers.gripper_orders import GripperOrder
 
 PAUSE_NS = 10 * NS_PER_MS
 AGAIN_NS = NS_PER_S
-HOMED_M = 0.01  # a hand that was not homed since its start reports a width of 0
+HOMED_M = 0.01  # a gripper that was not homed since its start reports a width of 0
 
 
-class HandLoop:
+class GripperLoop:
     """Connects and measures; each turn measures, and then does the newest order, if there is one.
 
     So the link is known to be up when an order goes out. What was ordered before there was a link, or before it was
@@ -27,11 +27,11 @@ class HandLoop:
     """
 
     def __init__(
-        self, connect: Callable[[], HandPort], memory: HandMemory, clock: Clock, speed_m_s: float, force_n: float
+        self, connect: Callable[[], GripperPort], memory: GripperMemory, clock: Clock, speed_m_s: float, force_n: float
     ) -> None:
         self._connect, self._memory, self._clock = connect, memory, clock
         self._speed_m_s, self._force_n = speed_m_s, force_n
-        self._hand: HandPort | None = None
+        self._port: GripperPort | None = None
         self._told = False  # that there is no link
         self._done = 0
         self._widest_m = 0.0
@@ -40,29 +40,29 @@ class HandLoop:
     def turn(self) -> None:
         """Measure, then do what is ordered."""
         try:
-            hand = self._connected()
-            state = hand.read()
+            port = self._connected()
+            state = port.read()
             self._widest_m = state.widest_m
             self._memory.report(self._done, state.opening_m)
             count, order = self._memory.ordered()
             if count != self._done:
-                self._obey(hand, order)
+                self._obey(port, order)
                 self._done = count
         except LinkLostError as error:
-            if self._hand is not None or not self._told:
+            if self._port is not None or not self._told:
                 cure = "without a Franka Hand set driver.options.gripper = false"
                 self._log.warning("no link to the gripper", reason=str(error), cure=cure)
-            self._hand, self._told = None, True
+            self._port, self._told = None, True
             self._withdraw()
             self._memory.report(self._done, math.nan)
             self._clock.sleep_until_ns(self._clock.now_ns() + AGAIN_NS)
 
-    def _connected(self) -> HandPort:
+    def _connected(self) -> GripperPort:
         """The gripper; of a new link what was ordered without it is withdrawn."""
-        if self._hand is None:
-            self._hand = self._connect()
+        if self._port is None:
+            self._port = self._connect()
             self._withdraw()
-        return self._hand
+        return self._port
 
     def _withdraw(self) -> None:
         count, order = self._memory.ordered()
@@ -70,14 +70,14 @@ class HandLoop:
             self._log.warning("the gripper has no link, and will not do what was ordered", ordered=order.gripper.value)
         self._done = count
 
-    def _obey(self, hand: HandPort, order: GripperOrder) -> None:
+    def _obey(self, port: GripperPort, order: GripperOrder) -> None:
         if order.gripper is GripperCommand.KEEP:
             return
         if self._clock.now_ns() > order.until_ns:
             self._log.warning("the gripper was ordered too long ago, and keeps", ordered=order.gripper.value)
             return
         try:
-            done = self._move(hand, order.gripper)
+            done = self._move(port, order.gripper)
         except LinkLostError:
             raise
         except DriverError as error:
@@ -86,15 +86,15 @@ class HandLoop:
             if not done:
                 self._log.warning("the gripper did not end where it was sent", ordered=order.gripper.value)
 
-    def _move(self, hand: HandPort, gripper: GripperCommand) -> bool:
+    def _move(self, port: GripperPort, gripper: GripperCommand) -> bool:
         if gripper is GripperCommand.CLOSED:
-            return hand.close(self._speed_m_s, self._force_n)
+            return port.close(self._speed_m_s, self._force_n)
         if self._widest_m < HOMED_M:
             raise RobotRefusedError("it has not been homed, and does not know how wide it opens")
-        return hand.open(self._widest_m, self._speed_m_s)
+        return port.open(self._widest_m, self._speed_m_s)
 
 
-def run_hand_loop(loop: HandLoop, clock: Clock, beat: Callable[[], None]) -> NoReturn:
+def run_gripper_loop(loop: GripperLoop, clock: Clock, beat: Callable[[], None]) -> NoReturn:
     """Turn until this process is ended; what the gripper holds stays held."""
     while True:
         loop.turn()

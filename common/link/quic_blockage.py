@@ -19,7 +19,7 @@ def blocked_sentence(endpoint: Endpoint, *, was_up: bool) -> str:
     )
 
 
-class QuicDoubt:
+class QuicBlockageDetector:
     """Becomes certain about one link's endpoint that answers by TLS for QUIC_PATIENCE_S but never by QUIC.
 
     Over a long way it takes longer, QUIC_ANSWERS times as long as an answer by TLS.
