@@ -47,9 +47,9 @@ class MotionPlanner:
         self._hindrance, self._slowing, self._unjudged = None, FULL, 0
         self._near, self._barred = 1.0, False
 
-    def aim(self, target: ToolSample, q: Array) -> None:
-        """Take a new target of the tool, for an arm at `q` (n,) rad."""
-        unreached = self._tracker.aim(target, q)
+    def aim(self, target: ToolSample) -> None:
+        """Take a new target of the tool."""
+        unreached = self._tracker.aim(target)
         self._hindrance = target.leashed or unreached or target.boxed
         self._unjudged += 1
 

@@ -51,14 +51,14 @@ class ToolSample:
 class TargetTracker(Protocol):
     """Turns targets of the tool into targets of the joints.
 
-    `aim` takes a new target for an arm at `q` (n,) rad; the answer is why it cannot be reached.
+    `aim` takes a new target, whatever the arm's posture; the answer is why it cannot be reached.
     `at` is asked once per tick: how the joints' target moves, for an arm that `sent` leads at the fraction `speed` of
     its full speed; `barred` while an obstacle keeps the arm from it.
     """
 
     def reset(self, t_ns: int, q: Array) -> None: ...
 
-    def aim(self, target: ToolSample, q: Array) -> Reason | None: ...
+    def aim(self, target: ToolSample) -> Reason | None: ...
 
     def at(self, now_ns: int, sent: JointMotion, speed: float, *, barred: bool = False) -> JointMotion: ...
 
@@ -80,13 +80,12 @@ class ClosedFormTracker:
         self._predictor.reset(t_ns, q)
         self._waiting.reset()
 
-    def aim(self, target: ToolSample, q: Array) -> Reason | None:
+    def aim(self, target: ToolSample) -> Reason | None:
         """Solve for the target; without a solution the joints keep the one before. The elbow follows the branch.
 
         The solution is the nearest to the one before: near to an arm that lags, joint 4 would be paced from where the
         arm is, and the target would swing with the arm.
         """
-        del q
         solution = self._solved(target)
         if not isinstance(solution, Solution):
             self._waiting.halt(self._inverse.q)
@@ -139,9 +138,8 @@ class DifferentialTracker:
         if self._inverse.swivel is not None:
             self._inverse.swivel.forget()
 
-    def aim(self, target: ToolSample, q: Array) -> Reason | None:
-        """Take the tool's target, whatever the arm's posture; the answer is what the last steps could not reach."""
-        del q
+    def aim(self, target: ToolSample) -> Reason | None:
+        """Take the tool's target; the answer is what the last steps could not reach."""
         base_T_target, elbow = target.base_T_target, target.elbow
         if not (np.isfinite(base_T_target).all() and (elbow is None or np.isfinite(elbow).all())):
             return reason(Code.NOT_A_POSE)

@@ -96,7 +96,7 @@ class TeleopPipeline:
             self._begin(latest, settings, decision, sent)
         elif latest is not self._aimed:
             self._gripper.follow(latest.sample, settings.revision, robot.gripper)
-            self._planner.aim(replace(self._tool_sample(latest, settings, robot, now_ns), speed=speed), sent.q)
+            self._planner.aim(replace(self._tool_sample(latest, settings, robot, now_ns), speed=speed))
             aimed = True
         self._aimed = latest
         return self._planner.follow(now_ns, sent, speed, aimed=aimed)

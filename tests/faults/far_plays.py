@@ -6,10 +6,10 @@ from typing import Any
 
 from common.clock import NS_PER_S
 from common.messages.requests import EngagementAction
-from common.messages.robot import SessionState
+from common.messages.robot import FOLLOWING, SessionState
 from tests.faults.acts import impair
 from tests.faults.plays import Play
-from tests.faults.trial import FOLLOWING, Trial
+from tests.faults.trial import Trial
 
 LEARNS_S = 3.0  # of a link, before the engagement
 FOLLOWS_AGAIN_S = 1.0  # after a cut of 300 ms

@@ -6,12 +6,12 @@ from collections.abc import Callable
 import numpy as np
 
 from common.messages.requests import EngagementAction
-from common.messages.robot import SessionState
+from common.messages.robot import FOLLOWING, SessionState
 from tests.faults.acts import Act, jumps, robot
 from tests.faults.cell_pair import CellPair
 from tests.faults.forgery import ask_for_lease, consent
 from tests.faults.pair_setup import OPERATOR, OTHERS
-from tests.faults.trial import FOLLOWING, Trial
+from tests.faults.trial import Trial
 
 Play = Callable[[Trial], None]
 

@@ -7,13 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.messages.robot import Obeyed, SessionState
+from common.messages.robot import FOLLOWING, Obeyed, SessionState
 from remote_site.safety.collision import CollisionModel
 from tests.faults.cell_pair import SETTLES_S, CellPair
 from tests.faults.driver_log import DriverLog, Worst, ms
 from tests.late_machine import was_late
 
-FOLLOWING = (SessionState.ENGAGED, SessionState.HOLDING)
 QUIET_S = 0.4
 SETTLED_M = 1e-4
 SEEN_S = 0.3  # until what the remote site refused is in its state

@@ -34,8 +34,8 @@ class Aims:
     def reset(self, t_ns, q):  # noqa: ARG002  # as trackers are reset
         self.q_target = q
 
-    def aim(self, target, q):
-        self.aimed.append((target, q))
+    def aim(self, target):
+        self.aimed.append(target)
         return self.unreached
 
     def at(self, now_ns, sent, speed, *, barred):  # noqa: ARG002  # as trackers are asked
@@ -66,7 +66,7 @@ class Planning:
 
     def aim(self, leashed=None):
         target = ToolSample(0, 0, MODEL.forward(START), None, leashed)
-        self.planner.aim(target, self.sent.q)
+        self.planner.aim(target)
         return target
 
     def follow(self, ticks=1, aimed=False, speed_scale=1.0):

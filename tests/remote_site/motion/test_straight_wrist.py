@@ -86,7 +86,7 @@ def tool_after(way: Way, start_deg: tuple[float, ...], sampled: Speed, slowed: S
             place = way.at(t)
             base_T_target = transform(rotation_from_vector(place[3:]) @ start[:3, :3], start[:3, 3] + place[:3])
             sample = ToolSample(now_ns, now_ns, base_T_target, None, None, stretch=1 / sampled(t), speed=sampled(t))
-            assert tracker.aim(sample, sent.q) is None
+            assert tracker.aim(sample) is None
         joints.reset(sent)
         motion = joints.track(tracker.at(now_ns, sent, slowed(t)), slowed(t))
         assert isinstance(motion, JointMotion)

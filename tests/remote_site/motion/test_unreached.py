@@ -26,7 +26,7 @@ def test_a_target_out_of_reach_is_told_with_the_distance_that_is_left() -> None:
         base_T_target = transform(base_T_tool[:3, :3], base_T_tool[:3, 3] + up)
         if tick % 8 == 0:
             sample = ToolSample(tick * TICK_NS, tick * TICK_NS + NS_PER_MS, base_T_target, None, None)
-            why = tracker.aim(sample, motion.q)
+            why = tracker.aim(sample)
         motion = tracker.at(tick * TICK_NS + NS_PER_MS, motion, 1.0)
     left_mm = 1e3 * np.linalg.norm(base_T_target[:3, 3] - MODEL.forward(motion.q)[:3, 3])
     assert left_mm > 200.0

@@ -159,7 +159,7 @@ def test_a_chosen_stance_must_be_that_of_the_start_and_is_kept():
     q = config.robot.start.copy()
     q[4] = 0.2  # bent backward
     tracker.reset(0, config.robot.start)
-    assert tracker.aim(ToolSample(10**8, 10**8, model.forward(q), None, None), q).code is Code.STANCE
+    assert tracker.aim(ToolSample(10**8, 10**8, model.forward(q), None, None)).code is Code.STANCE
 
 
 def test_swivel_joints_that_the_arm_has_not_are_refused():
@@ -176,9 +176,9 @@ def test_a_target_that_is_not_finite_moves_nothing(value):
     tracker.reset(0, start)
     pose = model.forward(start)
     pose[0, 3] = value
-    assert tracker.aim(ToolSample(10**8, 10**8, pose, None, None), start).code is Code.NOT_A_POSE
+    assert tracker.aim(ToolSample(10**8, 10**8, pose, None, None)).code is Code.NOT_A_POSE
     assert (
-        tracker.aim(ToolSample(10**8, 10**8, model.forward(start), np.array([value, 0.0, 0.0]), None), start).code
+        tracker.aim(ToolSample(10**8, 10**8, model.forward(start), np.array([value, 0.0, 0.0]), None)).code
         is Code.NOT_A_POSE
     )
     target = tracker.at(2 * 10**8, JointMotion.at_rest(start), 1.0)
@@ -192,7 +192,7 @@ def test_a_joint_outside_its_limits_is_brought_back_and_none_goes_out():
     start[5] = limits.upper[5] + 0.2
     tracker = chosen(SEVEN_AXES)
     tracker.reset(0, start)
-    tracker.aim(ToolSample(4 * 10**6, 4 * 10**6, model.forward(start), None, None), start)
+    tracker.aim(ToolSample(4 * 10**6, 4 * 10**6, model.forward(start), None, None))
     q = start
     for k in range(400):
         target = tracker.at((k + 2) * 4 * 10**6, JointMotion.at_rest(q), 1.0)
