@@ -109,7 +109,7 @@ def test_an_arm_that_a_long_t_soft_makes_slower_is_carried_on_for_longer(stretch
         if now_ms % 32 == 0 and now_ms < 600:
             at_ms = now_ms
             target = transform(target[:3, :3], target[:3, 3] + [0.0, 0.002, 0.0])
-            tracker.aim(ToolSample(at_ms * NS_PER_MS, at_ms * NS_PER_MS, target, None, None, stretch), START)
+            tracker.aim(ToolSample(at_ms * NS_PER_MS, at_ms * NS_PER_MS, target, None, None, stretch))
         there = tracker.at(now_ms * NS_PER_MS, there, 1.0)
         places[now_ms - at_ms] = there.q[0]
     earlier, later = places[160], places[230]
