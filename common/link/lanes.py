@@ -3,6 +3,9 @@
 Where packets are lost, QUIC's congestion control falls back to two packets in flight, and sends none while the first is
 not acknowledged: less than hand samples need over a long way. Each lane has a window of its own, and the first copy
 of a sample that comes by any of them counts.
+
+A lost packet also holds up what the link's own connection carries for two or three samples. With one copy of each in
+lanes, 5 % of lost packets took two samples running every four minutes, which holds the arm; with two copies, every day.
 """
 
 from collections import deque
@@ -10,20 +13,22 @@ from collections.abc import Sequence
 
 import zenoh
 
-LANES = 3  # in turn: ten samples a second of 210 bytes stay below 1200 bytes in flight over half a second
+LANES = 6
+COPIES = 2  # of each message, in turn: so ten samples a second of 210 bytes in a lane stay below 1200 in flight over 0.5 s
 REMEMBERED = 64  # messages, two seconds of samples: longer than one waits for a window
 
 
 class LanePublisher:
-    """One key's publishers, one for each lane; they take turns."""
+    """One key's publishers, one for each lane; so many as send a copy take turns."""
 
     def __init__(self, publishers: Sequence[zenoh.Publisher]) -> None:
         self._publishers, self._next = publishers, 0
 
     def put(self, payload: bytes) -> None:
-        """Send a copy of a message."""
-        self._publishers[self._next].put(payload)
-        self._next = (self._next + 1) % len(self._publishers)
+        """Send the copies of a message, on lanes of their own."""
+        for _ in range(COPIES):
+            self._publishers[self._next].put(payload)
+            self._next = (self._next + 1) % len(self._publishers)
 
 
 class Copies:

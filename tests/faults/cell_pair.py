@@ -222,9 +222,9 @@ class CellPair:
         self.wait("the arm to follow", lambda: self.is_in(SessionState.ENGAGED), 10)
         return pose
 
-    def move(self) -> None:
-        """Have the hand circle, as fast as the arm may go, and wait until it does."""
-        pace = self.state.speed_scale
+    def move(self, share: float = 1.0) -> None:
+        """Have the hand circle, at a share of how fast the arm may go, and wait until it does."""
+        pace = share * self.state.speed_scale
         self.hand(to=CENTRE, seconds=0.5 / pace, circle_m=CIRCLE_M, hz=CIRCLE_HZ * pace)
         time.sleep(0.6 / pace)
         self.wait(

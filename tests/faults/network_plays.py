@@ -13,6 +13,7 @@ from tests.faults.trial import Trial
 BACK_S = 2.0
 LEARNT_S = 20.0  # until the age limit allows for what the link loses
 CALIBRATION_S = 22.0
+UNHURRIED = 0.55  # of the arm's speed: an arm that has to catch up is off the hand for that, and not for what was lost
 COARSE_LAGS_MS = range(20, 400, 10)
 FULL_QUEUE_MS = 300.0  # a link that is not made for people who wait
 SETTLES_WATCHED_S = 4.0
@@ -44,11 +45,11 @@ def _receives(pair: CellPair) -> bool:
     return ready.ready or (ready.code == "collecting" and not ready.reason.startswith("0 "))
 
 
-def bear(seconds: float, least_fraction: float, **impairment: Any) -> Play:
+def bear(seconds: float, least_fraction: float, share: float = 1.0, **impairment: Any) -> Play:
     """The arm follows over the impaired link, and obeys nothing that is too old."""
 
     def play(trial: Trial) -> None:
-        trial.pair.move()
+        trial.pair.move(share)
         trial.begin(impair(**impairment))
         time.sleep(seconds)
         trial.follows(least_fraction)
@@ -63,7 +64,7 @@ def lose(loss: float, delay_ms: float, seconds: float) -> Play:
     def play(trial: Trial) -> None:
         trial.pair.impair(delay_ms=delay_ms, loss=loss)
         time.sleep(LEARNT_S)
-        bear(seconds, 0.9, delay_ms=delay_ms, loss=loss)(trial)
+        bear(seconds, 0.9, UNHURRIED, delay_ms=delay_ms, loss=loss)(trial)
         lossy_ns = trial.fault_ns + 2 * NS_PER_S, time.monotonic_ns()
         trial.pair.impair(delay_ms=delay_ms)
         time.sleep(CALIBRATION_S)

@@ -10,7 +10,7 @@ import pytest
 
 from common.link.access import Serves, access_control
 from common.link.channels import HAND, STATE
-from common.link.lanes import LANES, REMEMBERED, Copies, LanePublisher
+from common.link.lanes import COPIES, LANES, REMEMBERED, Copies, LanePublisher
 from common.link.pubsub import Latest
 from common.link.roles import Identity, Role
 from common.link.transport import open_link
@@ -54,12 +54,13 @@ def neighbours(cell: Cell) -> int:
     return len(cell.link._session.info.peers_zid())
 
 
-def longest_wait_ms(connections: int, round_trip_ms: int) -> int:
-    """The longest that a sample waits in half a minute, each going on one connection in turn."""
+def longest_wait_ms(connections: int, copies: int, round_trip_ms: int) -> int:
+    """The longest that a copy waits in half a minute, those of each sample going on connections in turn."""
     lanes = [Connection(round_trip_ms) for _ in range(connections)]
     for now_ms in range(30_000):
         if now_ms % PERIOD_MS == 0:
-            lanes[now_ms // PERIOD_MS % connections].waiting.append(now_ms)
+            for k in range(copies):
+                lanes[(copies * (now_ms // PERIOD_MS) + k) % connections].waiting.append(now_ms)
         for lane in lanes:
             lane.step(now_ms)
     return max(lane.longest_ms for lane in lanes)
@@ -67,8 +68,8 @@ def longest_wait_ms(connections: int, round_trip_ms: int) -> int:
 
 @pytest.mark.parametrize("round_trip_ms", [240, 290, 400, 500])
 def test_on_a_long_way_with_losses_samples_wait_on_one_connection_and_never_in_lanes(round_trip_ms: int) -> None:
-    assert longest_wait_ms(1, round_trip_ms) > 2 * PERIOD_MS
-    assert longest_wait_ms(LANES, round_trip_ms) == 0
+    assert longest_wait_ms(1, 1, round_trip_ms) > 2 * PERIOD_MS
+    assert longest_wait_ms(LANES, COPIES, round_trip_ms) == 0
 
 
 def test_lanes_lead_to_the_remote_site_alone_since_a_router_would_send_copies_on_by_one_connection() -> None:
@@ -78,12 +79,13 @@ def test_lanes_lead_to_the_remote_site_alone_since_a_router_would_send_copies_on
     assert [subject["id"] for subject in lane["subjects"]] == [f"remote.{CELL}"]
 
 
-def test_lanes_take_turns() -> None:
-    takers = [Taker() for _ in range(3)]
+def test_lanes_take_turns_by_two() -> None:
+    takers = [Taker() for _ in range(6)]
     publisher = LanePublisher(takers)  # type: ignore[arg-type]  # stand-ins
     for k in range(7):
         publisher.put(bytes([k]))
-    assert [[payload[0] for payload in taker.taken] for taker in takers] == [[0, 3, 6], [1, 4], [2, 5]]
+    taken = [[payload[0] for payload in taker.taken] for taker in takers]
+    assert taken == [[0, 3, 6], [0, 3, 6], [1, 4], [1, 4], [2, 5], [2, 5]]
 
 
 def test_a_copy_is_known_by_every_byte_and_for_two_seconds() -> None:
