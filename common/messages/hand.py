@@ -30,7 +30,7 @@ class HandPoint(StrEnum):
 class PointCovariances(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """The covariance xx, xy, xz, yy, yz, zz of each point, m² in the operator frame, None where unknown.
 
-    It travels in six bytes (`covariance_bytes.py`).
+    It travels in six bytes (`wire_form.py`).
     """
 
     elbow: Covariance | None = None

@@ -15,12 +15,40 @@ import structlog
 from structlog.typing import EventDict, Processor, WrappedLogger
 
 from common.errors import MessageError
-from common.process.strays import catch_strays
+from common.text import escaped
+import logging
+import sys
+import threading
+import traceback
+from types import TracebackType
+import structlog
 from common.text import escaped
 
 STANDARD_ERROR = 2
 JOURNAL_PRIORITIES = {"critical": 2, "error": 3, "warning": 4, "info": 6, "debug": 7}
 LOGFMT = structlog.processors.LogfmtRenderer(key_order=["level", "time", "site", "event"])
+MARGIN = "| "  # so that no line of a traceback begins as one of the log does
+
+
+def catch_strays() -> None:
+    """Show what ends this process or a thread without acting on a terminal, and log what libraries warn of."""
+    sys.excepthook = _show
+    threading.excepthook = lambda thread: _show(thread.exc_type, thread.exc_value, thread.exc_traceback)
+    logging.root.handlers = [_LibraryWords(logging.WARNING)]
+
+
+class _LibraryWords(logging.Handler):
+    """Writes what libraries warn of to our log; without a handler it would go to standard error as it is."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write a line."""
+        structlog.get_logger().log(record.levelno, "a library warns", library=record.name, reason=self.format(record))
+
+
+def _show(kind: type[BaseException], error: BaseException | None, trace: TracebackType | None) -> None:
+    """Print a traceback, in one piece, since others write too."""
+    lines = "".join(traceback.format_exception(kind, error, trace)).rstrip("\n").split("\n")
+    sys.stderr.write("".join(f"{MARGIN}{escaped(line)}\n" for line in lines))
 
 
 class LogFormat(StrEnum):

@@ -7,8 +7,6 @@ import numpy as np
 
 from common.clock import NS_PER_MS
 from common.geometry import Array
-from farhand.limits.sources import FILE, assumed_in_configuration, file_source, of_another_arm
-from farhand.limits.tool_rows import Row, tool_rows
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
 from remote_site.kinematics.limits import JointLimits
@@ -16,10 +14,104 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.safety.stop_bound import longest_stops
 from remote_site.safety.stop_figures import StopFigures, rising_stop, steady_stop, way
 from remote_site.session.age_limit import AgeLimit, speed_scale_at
+from collections.abc import Mapping
+import numpy as np
+from common.geometry import Array
+from remote_site.kinematics.config import RobotConfig
+from remote_site.kinematics.model import ASSUMED, GIVEN, ArmModel
+import math
+from itertools import groupby
+from remote_site.config import RemoteConfig
+from remote_site.kinematics.config import GRIPPER, CapsuleConfig, RobotConfig
+from remote_site.safety.config import SafetyConfig
 
 MS = 1000.0
 SPEEDS_RAD_S = (0.5, 1.0)  # beside full speed
 TICKS = 2  # from the tick that finds a sample too old to the first command of the stop that a robot obeys
+FILE = "the arm's file"
+BY_IMPORT = {ASSUMED: "assumed by farhand arm import", GIVEN: "given to farhand arm import"}
+MM = 1000.0
+Row = tuple[str, str, str]
+
+
+def tool_rows(config: RemoteConfig) -> list[Row]:
+    """What, its value, and its source."""
+    robot = config.robot
+    x, y, z = (MM * robot.tool_T_tcp[:3, 3]).tolist()
+    payload = "not stated" if robot.payload_kg is None else f"{robot.payload_kg:g}"
+    return [
+        ("tool's frame", robot.tool_frame, "robot.tool_frame"),
+        ("tool centre point in it, mm", f"{x:g}, {y:g}, {z:g}", "robot.tool_offset_m, along z"),
+        *_capsule_rows(robot),
+        ("largest grip force, N", f"{config.grip.force_n:g}", "grip.force_n; the gripper's own may be less"),
+        ("payload beyond the tool, kg", payload, "robot.payload_kg; shown only, no limit follows from it"),
+        ("box of the tool centre point, m", _box(config.safety), "safety.workspace_min_m, safety.workspace_max_m"),
+    ]
+
+
+def _capsule_rows(robot: RobotConfig) -> list[Row]:
+    """A row for each link that carries capsules."""
+    if not robot.capsules:
+        return [("capsules around the tool", "none: a bare flange", "robot.capsules")]
+    source = "robot.capsules" + (_whose(robot) if robot.capsules == GRIPPER else "")
+    carried = [(capsule.link or robot.tool_frame, _reach_m(capsule)) for capsule in robot.capsules]
+    rows = []
+    for link, group in groupby(sorted(carried), key=lambda item: item[0]):
+        reaches_m = [reach_m for _, reach_m in group]
+        extent = f"{len(reaches_m)}, up to {MM * max(reaches_m):.0f} mm from its origin"
+        rows.append((f"capsules on {link}", extent, source))
+    return rows
+
+
+def _whose(robot: RobotConfig) -> str:
+    """Of the gripper that counts where none is given, which is the A465's own alone."""
+    default = robot.model == RobotConfig().model
+    return ", by default the A465's gripper" if default else ", the shape of the A465's gripper: give your own"
+
+
+def _reach_m(capsule: CapsuleConfig) -> float:
+    """How far a capsule extends from the origin of its link."""
+    return max(math.hypot(*end) for end in (capsule.start_m, capsule.end_m)) + capsule.radius_m
+
+
+def _box(safety: SafetyConfig) -> str:
+    sides = zip("xyz", safety.workspace_min_m, safety.workspace_max_m, strict=True)
+    return ", ".join(f"{axis} {low:g} to {high:g}" for axis, low, high in sides)
+
+
+def file_source(model: ArmModel, key: str, values: Array) -> str:
+    """The source of the file's values (n,) of one attribute of its limits."""
+    parts = []
+    others = list(model.joint_names)
+    for mark, words in BY_IMPORT.items():
+        names = _unchanged(model, model.marked(mark, key), values)
+        others = [name for name in others if name not in names]
+        if names:
+            parts.append(words if len(names) == len(model.joint_names) else f"{words} for {', '.join(names)}")
+    if not parts:
+        return FILE
+    return "; ".join(parts) + (f"; else {FILE}" if others else "")
+
+
+def assumed_in_configuration(model: ArmModel, key: str, values: Array) -> str:
+    """What follows the key of values (n,) that the import assumed in the configuration; nothing where it did not."""
+    names = _unchanged(model, model.marked(ASSUMED, key), values)
+    if not names:
+        return ""
+    return f", {BY_IMPORT[ASSUMED]}" + ("" if len(names) == len(model.joint_names) else f" for {', '.join(names)}")
+
+
+def of_another_arm(robot: RobotConfig) -> str:
+    """What follows the key of an acceleration that no configuration gives, where the arm is not the A465."""
+    default = RobotConfig()
+    is_foreign = robot.model != default.model and robot.acceleration_rad_s2 == default.acceleration_rad_s2
+    return ", by default the A465's: give your own" if is_foreign else ""
+
+
+def _unchanged(model: ArmModel, marked: Mapping[str, float], values: Array) -> list[str]:
+    """The joints whose value is still the one that it is marked with."""
+    stated = zip(model.joint_names, values.tolist(), strict=True)
+    return [name for name, value in stated if name in marked and np.isclose(value, marked[name])]
 
 
 @dataclass(frozen=True, slots=True)

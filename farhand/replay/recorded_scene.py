@@ -23,12 +23,15 @@ from common.recording.folder import parts_from
 from common.recording.hand_transcript import EPISODE, LOG
 from common.recording.reader import KeptMessage, RecordingReader, as_recorded
 from common.recording.recorded_episodes import event_in
-from farhand.replay.jumps import SESSION, RecordedEvent, worth_a_jump
 from farhand.replay.recorded_cycles import recorded_config
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording import topics
 from remote_site.runtime.request_server import describe
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from common.messages.robot import STOPPED, SessionState
 
 BEFORE_NS = NS_PER_S // 2  # before the time that is jumped to: by then every panel has something
 MOST_EVENTS_BYTES = 8 << 20  # of one file, each with what keeping it takes
@@ -37,6 +40,39 @@ EVENT_TOPICS = EPISODE.name, LOG.name
 HAND_PREFIX = HAND.key.split("{operator}")[0]
 
 Shown = RobotState | HandArm | VideoFrame
+SESSION_LINE = re.compile(r"(?P<state>\w+) \((?P<code>\w+)\): (?P<sentence>.*)", re.DOTALL)
+SESSION = "session"
+STOP = "stop"
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedEvent:
+    """A point of the recording to which a person may want to jump: seconds from its beginning, its kind, and words."""
+
+    at_s: float
+    kind: str
+    words: str
+
+
+def worth_a_jump(events: Iterable[RecordedEvent]) -> Iterator[RecordedEvent]:
+    """Of the session's lines those with another state than before, or a stop; all other events as they are.
+
+    What a site says while it starts, and limits that come and go during an engagement, change no state.
+    """
+    state, is_stopped = SessionState.DISENGAGED.value, False
+    for event in events:
+        said = SESSION_LINE.fullmatch(event.words) if event.kind == SESSION else None
+        if said is None:
+            yield event
+            continue
+        stops = said["code"] == STOPPED
+        if said["state"] != state or (stops and not is_stopped):
+            yield replace(event, kind=STOP if stops else said["state"], words=_words(said["state"], said["sentence"]))
+        state, is_stopped = said["state"], stops
+
+
+def _words(state: str, sentence: str) -> str:
+    return sentence if sentence.startswith(state) else f"{state}: {sentence}"
 
 
 def recorded_cell(path: Path, folder: Path) -> Description:

@@ -18,14 +18,34 @@ from common.messages.robot import VideoTrouble
 from common.process.service import StopFlag
 from farhand.authority.asking import link_to, no_answer, remote_at
 from farhand.status.observed import OVER_NS, Observed
-from farhand.status.screen import as_lines, screen
 from farhand.status.words import as_builtins, rows_of
 from farhand.terminal import say, tell
 from local_site.console.config import ConsoleConfig
+from collections.abc import Sequence
+from rich.table import Table
+from rich.text import Text
+from common.text import escaped
+from farhand.status.words import Mood, Row
 
 PATIENCE_S = 5.0
 REFRESH_S = 0.25
 NARROW = "not counted since the link was narrow: counting takes as much of it as a page"
+STYLES = {Mood.GOOD: "green", Mood.PLAIN: "", Mood.WORTH_A_LOOK: "yellow", Mood.WRONG: "bold red"}
+
+
+def screen(rows: Sequence[Row], title: str) -> Table:
+    """The rows as a table; what another site says in them does nothing to the terminal."""
+    table = Table(title=title, show_header=False, title_justify="left", expand=True, box=None)  # 24 lines are few
+    table.add_column(no_wrap=True)
+    table.add_column(ratio=1)
+    for row in rows:
+        table.add_row(Text(escaped(row.name)), Text(escaped(row.words), style=STYLES[row.mood]))
+    return table
+
+
+def as_lines(rows: Sequence[Row]) -> list[str]:
+    """The same as one line for each row, for what is no terminal."""
+    return [f"{row.name}: {row.words}" for row in rows]
 
 
 class StatusWatch:

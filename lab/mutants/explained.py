@@ -44,7 +44,7 @@ EXPLAINED = {
     "remote_site/kinematics/path_inverse.py:__init__: 6 -> 7": "whoever solves resets it first, which sets it",
     "remote_site/kinematics/upright_arm.py:joints: True -> False": STRICT,
     f"{ASSIST}/assist.py:__init__: self._ended_ns = 0 -> pass": "it is read once a lead has ended, which sets it",
-    f"{ASSIST}/progress.py:is_stuck: left[1] < NEARER_RAD -> left[1] <= NEARER_RAD": "exactly half a degree, to the "
+    f"{ASSIST}/assist.py:is_stuck: left[1] < NEARER_RAD -> left[1] <= NEARER_RAD": "exactly half a degree, to the "
     "last bit, may count as either",
     f"{ASSIST}/standing_marker.py:_moved_by: angle_rad <= MOVED_RAD -> angle_rad < MOVED_RAD": "a turn of exactly "
     "3 deg, to the last bit, may count as either",

@@ -15,7 +15,6 @@ from common.cameras.settings import AS_IT_IS, DEFAULT_LATENCY_MS, CameraSettings
 from common.cameras.sources import Source, open_camera, recorded_fps
 from common.clock import Clock
 from common.errors import CameraError, ConfigError
-from local_site.acquisition.paced_recording import PacedRecording, RecordingStart
 from local_site.acquisition.same_source import refuse_same
 from local_site.acquisition.simulated_cameras import Beginning, SimulatedCameras
 from local_site.calibration.rig import Rig
@@ -24,8 +23,55 @@ from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.operator import Operator, make_operator
 from local_site.tracking.choice import TrackingConfig
+import threading
+from dataclasses import replace
+from common.cameras.camera import Camera, Frame
+from common.cameras.sources import damage_of
+from common.clock import Clock
+from common.errors import CameraError
 
 SIMULATED = "simulated"
+
+
+class RecordingStart:
+    """When the recordings of a rig began: all together, as soon as the first of them is read."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock, self._lock = clock, threading.Lock()
+        self._start_ns: int | None = None
+
+    def wait_until(self, since_start_ns: int) -> int:
+        """Wait until so long after the start; the time then, ns."""
+        with self._lock:
+            self._start_ns = self._clock.now_ns() if self._start_ns is None else self._start_ns
+        due_ns = self._start_ns + since_start_ns
+        self._clock.sleep_until_ns(due_ns)
+        return due_ns
+
+
+class PacedRecording:
+    """One camera's recording."""
+
+    def __init__(self, recording: Camera, start: RecordingStart) -> None:
+        self._recording, self._start = recording, start
+
+    @property
+    def name(self) -> str:
+        """The camera's name."""
+        return self._recording.name
+
+    def read(self) -> Frame | None:
+        """Wait for the next frame; None at the end, CameraError at that of a damaged file."""
+        frame = self._recording.read()
+        if frame is not None:
+            return replace(frame, capture_ns=self._start.wait_until(frame.capture_ns))
+        if damage := damage_of(self._recording):
+            raise CameraError(damage)
+        return None
+
+    def close(self) -> None:
+        """Close the recording."""
+        self._recording.close()
 
 
 class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -24,13 +24,26 @@ from local_site.console.gate import Gate
 from local_site.console.hub import Hub
 from local_site.console.model.seat import Visitor
 from local_site.console.page import Page
-from local_site.console.page_socket import PageSocket
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 STATIC = Path(__file__).parent / "static"
 MAX_MESSAGE_BYTES = 16384
 END_S = 0  # pages get a close message; the server waits for none
 POLICY_VIOLATION, TRY_AGAIN_LATER = 1008, 1013
 MOST_PAGES = 64
+
+
+class PageSocket(WebSocketsSansIOProtocol):
+    """Leaves pings unanswered while the page has not read what it was sent; RFC 6455 asks for the newest pong alone.
+
+    Reading goes on meanwhile: a stop, and that the page is there, must be heard over a link that is slow the other way.
+    """
+
+    def handle_ping(self) -> None:
+        """Answer, unless too much waits to be read."""
+        pongs = b"".join(self.conn.data_to_send())
+        if self.writable.is_set():
+            self.transport.write(pongs)
 
 
 def bind(serve: ServeConfig, option: str = "--set serve.port=PORT") -> socket.socket:

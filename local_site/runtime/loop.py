@@ -22,7 +22,6 @@ from local_site.preview.preview import Preview
 from local_site.runtime.joint_clicks import JointClicks
 from local_site.runtime.profile_file import ProfileStore
 from local_site.runtime.recorder_relay import RecorderRelay
-from local_site.runtime.sample_tally import SampleTally
 from local_site.samples.hand_sample import HandSampler, IntentMerge, OpenHand, unless_in_force
 from local_site.samples.smoothing import make_smoother
 from local_site.tracking.annotate import annotate
@@ -30,6 +29,30 @@ from local_site.tracking.choice import make_tracker, profile_of
 from local_site.tracking.drift import DriftWatch
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import ArmEstimate, Views
+from dataclasses import dataclass
+from common.clock import NS_PER_MS
+from common.messages.hand import FOUND, TrackingStatus
+
+
+
+@dataclass(slots=True)
+class SampleTally:
+    """`seen` are those tracked or degraded, `oldest_ns` the longest of their times from exposure to sending."""
+
+    sent: int = 0
+    seen: int = 0
+    oldest_ns: int = 0
+
+    def note(self, status: TrackingStatus, age_ns: int) -> None:
+        """Count a sample that was sent, this long after its exposure."""
+        self.sent += 1
+        if status in FOUND:
+            self.seen += 1
+            self.oldest_ns = max(self.oldest_ns, age_ns)
+
+    def __str__(self) -> str:
+        tracked = f"{self.seen / self.sent:.0%} tracked" if self.sent else "none tracked"
+        return f"{self.sent} sent, {tracked}, the oldest {self.oldest_ns / NS_PER_MS:.0f} ms from exposure to sending"
 
 
 class ArmTracking:

@@ -18,18 +18,40 @@ from common.recording.wire_topics import topic_of
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.model import ArmModel
 from remote_site.recording import topics
-from remote_site.recording.camera_frames import camera_frame
 from remote_site.recording.cycle_record import CycleOutcome, decode_input, decode_outcome
 from remote_site.recording.kept_config import encode_config
 from remote_site.recording.message_budget import KEPT_BYTES_PER_S
 from remote_site.recording.records import FullPicture, LeftOut, PassedMessage, RecordedTick
 from remote_site.teleop.cycle import CycleInput
 from remote_site.video.calibration import calibration_of, size_of
+from typing import NamedTuple
+import numpy as np
+from scipy.linalg import rq
+from common.geometry import Array, transform
+from common.messages.requests import ViewCalibration
 
 CELL_TABLE = "farhand.cell"
 CONFIG_FILE, URDF_FILE = "remote.json", "robot.urdf"
 TICKS_PER_TRANSFORM = 5
 image_topic = cache(topics.image_topic)
+
+
+class CameraFrame(NamedTuple):
+    """The camera's matrix (3 x 3), from its frame (z ahead, y down) to pixels; `parent_T_camera` (4 x 4)."""
+
+    pixels_T_camera: Array
+    parent_T_camera: Array
+
+
+def camera_frame(view: ViewCalibration) -> CameraFrame:
+    """The frame of a calibrated view, in the base's frame, or in the tool's where the camera rides on it."""
+    projection = np.reshape(view.projection, (3, 4))
+    projection = projection * np.sign(np.linalg.det(projection[:, :3]))
+    upper, turn = rq(projection[:, :3])
+    signs = np.diag(np.sign(np.diag(upper)))
+    upper, turn = upper @ signs, signs @ turn
+    moved = np.linalg.solve(upper, projection[:, 3])
+    return CameraFrame(upper / upper[2, 2], transform(turn.T, -turn.T @ moved))
 
 
 class Transcript:

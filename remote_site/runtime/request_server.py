@@ -30,13 +30,39 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code, Reason, reason
 from remote_site.runtime.probe_server import ProbeServer
-from remote_site.runtime.trouble_reports import TroubleReports
 from remote_site.safety.collision_geometry import read_shapes
 from remote_site.safety.described_shapes import describe_capsules, describe_fixtures
 from remote_site.session.engagement_intent import INPUTS
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.calibration import calibration_of, size_of
+from collections.abc import Callable, Sequence
+from common.errors import MessageError
+from common.link.channels import TROUBLE
+from common.link.transport import Link
+from common.messages.requests import TroubleNoted
+from common.process.link_log import TroubleLog
+
+REPORTED_EVENT = "an operator's site reports trouble of the link"
+
+
+class TroubleReports:
+    """Polled by the control loop; no operator's reports keep another's out of the log."""
+
+    def __init__(
+        self, link: Link, cell: str, operators: Sequence[str], refused: Callable[[MessageError], None]
+    ) -> None:
+        self._sources = [
+            (link.answer(TROUBLE, cell, refused, operator=operator), TroubleLog(REPORTED_EVENT))
+            for operator in operators
+        ]
+
+    def poll(self, now_ns: int) -> None:
+        """Note one waiting report of each operator."""
+        for server, log in self._sources:
+            if (told := server.take()) is not None:
+                log.note("reported", told.question.reason, now_ns, operator=told.operator)
+                told.reply(TroubleNoted())
 
 
 class RequestServer:

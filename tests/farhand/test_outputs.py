@@ -14,7 +14,7 @@ from common.errors import ConfigError, FarhandError
 from farhand.calibration.points import doubts, solvable
 from farhand.cli import app
 from farhand.outputs import check_file, check_folder, make_folder, written_at_end
-from farhand.tracking.results.tables import json_lines
+from farhand.tracking.results.outputs import json_lines
 from farhand.tracking.track import track_recording
 from local_site.calibration.rig_file import save_rig
 from local_site.simulation.cameras import calibrate_simulated, control_point_rows

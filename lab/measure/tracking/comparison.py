@@ -10,15 +10,24 @@ from rich.console import Console, Group
 from rich.table import Table
 
 from lab.stage.processes import UnavailableError
-from lab.measure.tracking.contender import Contender
 from lab.measure.tracking.figures import NEES, RANK, SETTLED, Found, TrackingFigures, flat, judge
-from lab.measure.tracking.filmed_scenes import filmed_scenes
 from lab.measure.tracking.mediapipe_hands import MediaPipeHands, install
 from lab.measure.tracking.real_film import REAL, measure_real
 from lab.films.scenes import RECORDINGS, TrackingScene, recorded_scenes, simulated_scenes
 from common.errors import NotInstalledError
 from local_site.simulation.body import ArmTruth
 from local_site.tracking.tracker import Views
+import time
+from lab.measure.tracking.figures import Found
+from lab.films.scenes import TrackingScene
+from common.messages.hand import TrackingStatus
+from local_site.samples.hand_sample import GestureConfig, OpenHand
+from local_site.tracking.choice import TrackingConfig, make_tracker
+from local_site.tracking.tracker import Views
+from collections.abc import Iterator
+from lab.films.film import TrackingFilm
+from lab.films.listing import composed_films, right_arm_films
+from lab.films.scenes import ANY_BARE_ARM, RECORDINGS, Instant, TrackingScene
 
 SILHOUETTE, LEARNED = "silhouette", "learned"
 OTHERS = (LEARNED, MediaPipeHands.name)
@@ -40,6 +49,48 @@ COLUMNS = {  # heading: figure (errors in mm, bias in the operator frame), decim
     "NEES (3)": (NEES, 2),
     "rank": (RANK, 2),
 }
+NAMES = ("elbow", "wrist", "index", "thumb")
+SEED = 1
+
+
+def filmed_scenes() -> list[TrackingScene]:
+    """The films of a right arm: of the mesh, and of the recorded arm where the recordings are."""
+    films = right_arm_films(SEED) + (composed_films(SEED) if RECORDINGS.exists() else [])
+    return [filmed(film) for film in films]
+
+
+def filmed(film: TrackingFilm) -> TrackingScene:
+    """A film as a scene."""
+
+    def instants() -> Iterator[Instant]:
+        return (Instant(i.views, None if i.truth is None else i.truth.arm) for i in film.instants())
+
+    return TrackingScene(f"film {film.name}", film.rig, instants, ANY_BARE_ARM)
+
+
+class Contender:
+    """A tracker by its method; NotInstalledError where its models are missing."""
+
+    def __init__(self, method: str, scene: TrackingScene) -> None:
+        self._tracker = make_tracker(scene.rig, TrackingConfig(method=method))
+        self._hand = OpenHand()
+
+    def track(self, views: Views) -> Found:
+        """Track the next pair of images; the counter's time is not included."""
+        wall, processor = time.perf_counter(), time.process_time()
+        estimate = self._tracker.track(views)
+        wall_ms, processor_ms = 1e3 * (time.perf_counter() - wall), 1e3 * (time.process_time() - processor)
+        self._hand = self._hand.observe(estimate, GestureConfig())
+        by_name = {name: getattr(estimate, name) for name in NAMES}
+        return Found(
+            points={name: point for name, point in by_name.items() if point is not None},
+            wall_ms=wall_ms,
+            processor_ms=processor_ms,
+            covariances=estimate.covariances,
+            thumb_inferred=estimate.thumb_inferred,
+            is_tracked=estimate.status is TrackingStatus.TRACKED,
+            toggles=self._hand.toggles,
+        )
 
 
 class Comparison:

@@ -10,16 +10,39 @@ import numpy as np
 
 from lab.stage.stand_ins.pictures import SeenPictures, read_pictures, read_sights
 from lab.stage.stand_ins.played_remote import number_of
-from lab.measure.wan.similarity import ssim
 from common.cameras.camera import Image
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.video import Codec, VideoFrame
 from farhand.loopback.picture_decoder import PictureDecoder
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.pictures import encode_jpeg
+import cv2
+import numpy as np
+from common.cameras.camera import Image
+from common.geometry import Array
 
 COMPARED = 4  # pictures of each camera
 Figures = dict[str, Any]
+WINDOW, SIGMA = (11, 11), 1.5
+C1, C2 = (0.01 * 255) ** 2, (0.03 * 255) ** 2
+
+
+def ssim(one: Image, other: Image) -> float:
+    """The mean SSIM of the brightness of two BGR pictures of one size, 1 where they are the same.
+
+    Wang, Bovik, Sheikh, Simoncelli: Image quality assessment, IEEE Trans. Image Processing 13 (2004), with the
+    authors' Gaussian window of 11 x 11 and their constants.
+    """
+    x, y = (cv2.cvtColor(image, cv2.COLOR_BGR2GRAY).astype(np.float64) for image in (one, other))
+    mean_x, mean_y = _smooth(x), _smooth(y)
+    var_x, var_y = _smooth(x * x) - mean_x**2, _smooth(y * y) - mean_y**2
+    covariance = _smooth(x * y) - mean_x * mean_y
+    likeness = (2 * mean_x * mean_y + C1) * (2 * covariance + C2)
+    return float(np.mean(likeness / ((mean_x**2 + mean_y**2 + C1) * (var_x + var_y + C2))))
+
+
+def _smooth(values: Array) -> Array:
+    return np.asarray(cv2.GaussianBlur(values, WINDOW, SIGMA))
 
 
 @dataclass(frozen=True, slots=True)

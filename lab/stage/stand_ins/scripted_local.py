@@ -12,7 +12,6 @@ import numpy as np
 
 from lab.stage.network.command_socket import CommandSocket
 from lab.stage.stand_ins.hand_path import ScriptedPath
-from lab.stage.stand_ins.slewed_clock import SlewedClock, slewed_clock
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import CameraError
@@ -25,6 +24,10 @@ from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.tracker import ArmEstimate, Views
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from unittest.mock import patch
 
 FRAME_NS = NS_PER_S // 30
 EXPOSURE_NS = 8 * NS_PER_MS
@@ -32,6 +35,39 @@ HOME = np.array([0.0, 0.0, 0.3])
 ELBOW, INDEX, THUMB = np.array([[0.0, 0.25, 0.0], [0.02, -0.17, 0.0], [-0.05, -0.1, 0.01]])
 PALM = np.array([0.0, -0.06, 0.0])
 COVARIANCE = 1e-6 * np.eye(3)
+
+
+class SlewedClock:
+    """Gains `rate` of the time; the kernel's CLOCK_BOOTTIME does too, and CLOCK_MONOTONIC_RAW does not."""
+
+    def __init__(self) -> None:
+        self._monotonic_ns, self._clock_ns = time.monotonic_ns, time.clock_gettime_ns
+        self._rate, self._since_ns, self._gained_ns = 0.0, self._monotonic_ns(), 0.0
+
+    def slew(self, rate: float) -> None:
+        """Gain at this rate from now on, or lose where it is negative; what was gained stays."""
+        now_ns = self._monotonic_ns()
+        self._gained_ns += self._rate * (now_ns - self._since_ns)
+        self._rate, self._since_ns = rate, now_ns
+
+    def now_ns(self) -> int:
+        """As `time.monotonic_ns`."""
+        now_ns = self._monotonic_ns()
+        return now_ns + round(self._gained_ns + self._rate * (now_ns - self._since_ns))
+
+    def read_ns(self, clock: int) -> int:
+        """As `time.clock_gettime_ns`."""
+        read_ns = self._clock_ns(clock)
+        is_slewed = clock in (time.CLOCK_MONOTONIC, time.CLOCK_BOOTTIME)
+        return read_ns + self.now_ns() - self._monotonic_ns() if is_slewed else read_ns
+
+
+@contextmanager
+def slewed_clock() -> Iterator[SlewedClock]:
+    """Have this process read such a clock, which is not slewed yet."""
+    clock = SlewedClock()
+    with patch.object(time, "monotonic_ns", clock.now_ns), patch.object(time, "clock_gettime_ns", clock.read_ns):
+        yield clock
 
 
 class Script:

@@ -6,14 +6,60 @@ from dataclasses import dataclass
 from common.clock import NS_PER_S
 from common.link.channels import STATE
 from common.messages.robot import STOPPED, RobotState, SessionState
-from local_site.console.model.stopper import Stopper
-from local_site.console.model.unanswered import UnansweredFault
+from common.clock import NS_PER_S
+from common.messages.robot import STOPPED, RobotState, SessionState
+from local_site.console.model.seat import Visitor
+from common.messages.robot import SITE_ENDED, STOPPED, RobotState, SessionState
 
 KEPT = 30
 TROUBLE_NS = 3 * NS_PER_S  # near a limit trouble comes and goes
 SHIFT_MM, SHIFT_DEG = 1.0, 1.0  # a smaller shift of the reference is not noted
 REPEAT_NS = 3 * NS_PER_S  # a page asks for a stop each second until it is acknowledged: that is one event
 QUIET_NS = NS_PER_S  # at most one change of the code a second: while engaged it may change at every tick
+ASKED_WITHIN_NS = 2 * NS_PER_S  # a page asks each second until the remote site has acknowledged it
+
+
+class UnansweredFault:
+    """Keeps the fault or stop of a remote site that was started again before a reset; the new one knows nothing of it.
+
+    A reset answers it, and so does an engagement of the new site.
+    """
+
+    def __init__(self) -> None:
+        self._session: int | None = None
+        self._reason = ""
+        self.reason: str | None = None
+
+    def see(self, state: RobotState) -> None:
+        """Take the newest state; `reason` is then the former site's sentence, None where none is left to answer."""
+        if state.code == SITE_ENDED:
+            return
+        if state.state is SessionState.FAULT or state.code == STOPPED:
+            self._session, self._reason, self.reason = state.session, state.reason, None
+        elif self._session not in (None, state.session) and state.state is SessionState.DISENGAGED:
+            self.reason = self._reason
+        else:
+            self._session = self.reason = None
+
+
+class Stopper:
+    """Takes the pages' stops and the remote site's states; `page` is whose stop stands, None if nobody's here."""
+
+    def __init__(self) -> None:
+        self.page: Visitor | None = None
+        self._asked_by: Visitor | None = None
+        self._asked_ns = 0
+
+    def ask(self, page: Visitor, now_ns: int) -> None:
+        """A page asks for a stop."""
+        self._asked_by, self._asked_ns = page, now_ns
+
+    def see(self, state: RobotState, now_ns: int) -> None:
+        """Take the newest state."""
+        if state.state is not SessionState.FAULT and state.readiness.code != STOPPED:
+            self.page = None
+        elif self._asked_by is not None and now_ns - self._asked_ns <= ASKED_WITHIN_NS:
+            self.page = self._asked_by
 
 
 @dataclass(frozen=True, slots=True)

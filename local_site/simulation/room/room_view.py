@@ -13,14 +13,44 @@ from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.room.arm import Arm
 from local_site.simulation.room.clothes import Shirt, is_before
-from local_site.simulation.room.disturbances import make_disturbances
 from local_site.simulation.room.lamps import office_lamps
 from local_site.simulation.room.layer import Brush, ShadedLayer
 from local_site.simulation.room.panels import Panel
 from local_site.simulation.room.scenery import draw_office, office
 from local_site.simulation.room.surface import STRETCHED
+from typing import Protocol
+import numpy as np
+from common.cameras.camera import Image
+from local_site.simulation.cameras import PinholeCamera
+from local_site.simulation.room.bystanders import Face, SecondArm
+from local_site.simulation.room.config import DisturbanceName
+from local_site.simulation.room.layer import Brush
+from local_site.simulation.room.moving_things import Fan, Shadows
 
 NOISE_ROOM_PX = 128
+
+
+class Disturbance(Protocol):
+    """Something behind the operator on the pictures (H, W, 3) of one camera."""
+
+    def stand(self, image: Image) -> None:
+        """Draw what never moves."""
+
+    def move(self, image: Image, filmed_s: float) -> None:
+        """Draw what moves, at a time in s since the cameras began."""
+
+
+def make_disturbances(
+    names: tuple[DisturbanceName, ...], camera: PinholeCamera, brush: Brush, size: tuple[int, int], seed: int
+) -> list[Disturbance]:
+    """Those that are not part of the room itself, the farthest first, the same for all cameras of one seed."""
+    made: dict[DisturbanceName, Disturbance] = {
+        "fan": Fan(camera),
+        "shadows": Shadows(size, np.random.default_rng(seed)),
+        "face": Face(brush, camera, np.random.default_rng(seed)),
+        "second_arm": SecondArm(brush, np.random.default_rng(seed)),
+    }
+    return [disturbance for name, disturbance in made.items() if name in names]
 
 
 def room_views(cameras: Sequence[PinholeCamera], body: ArmBody, config: SimulationConfig) -> list["RoomView"]:

@@ -5,9 +5,39 @@ from collections.abc import Callable
 from common.clock import NS_PER_S, Clock
 from common.errors import DriverError
 from remote_site.drivers.franka.robot_port import ArmState, MotionPort, RobotPort, UnreachableError
-from remote_site.drivers.franka.robot_time import RobotTime
+from common.clock import NS_PER_MS
 
 AGAIN_NS = NS_PER_S
+SPAN_NS = 50 * NS_PER_MS
+LEAP_NS = 20 * NS_PER_MS  # of one state's time beyond all that came before it: by itself it is wrong
+
+
+class RobotTime:
+    """Follows the offset between both clocks: the least of this span of time and of the one before it."""
+
+    def __init__(self) -> None:
+        self._before_ns: int | None = None
+        self._least_ns: int | None = None
+        self._since_ns = 0
+        self._stamp_ns = 0
+        self._leapt = False
+
+    def stamp(self, robot_ns: int, arrival_ns: int) -> int:
+        """When a state was measured, ns by the host's clock; never after it has arrived, never before the last one.
+
+        One whose time lies far ahead is no newer than the last; where the next one's does too, the robot's time has
+        begun anew.
+        """
+        offset_ns = arrival_ns - robot_ns
+        self._leapt = not self._leapt and self._least_ns is not None and offset_ns < self._least_ns - LEAP_NS
+        if self._leapt:
+            return self._stamp_ns
+        if self._least_ns is None or arrival_ns - self._since_ns > SPAN_NS:
+            self._before_ns, self._least_ns, self._since_ns = self._least_ns, offset_ns, arrival_ns
+        self._least_ns = min(self._least_ns, offset_ns)
+        least_ns = self._least_ns if self._before_ns is None else min(self._least_ns, self._before_ns)
+        self._stamp_ns = max(self._stamp_ns, robot_ns + least_ns)
+        return self._stamp_ns
 
 
 class RobotWatch:

@@ -9,7 +9,7 @@ import msgspec
 
 from common.messages.base import PROTOCOL_VERSION, Covariance, Message
 from common.messages.codec import encode
-from common.messages.covariance_bytes import pack_covariance, unpack_covariance
+from common.messages.wire_form import pack_covariance, unpack_covariance
 from common.messages.hand import (
     ClockSync,
     ClutchKey,

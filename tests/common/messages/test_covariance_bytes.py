@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from common.errors import MessageError
-from common.messages.covariance_bytes import LEAST_M, STEP, WHOLE, pack_covariance, unpack_covariance
+from common.messages.wire_form import LEAST_M, STEP, WHOLE, pack_covariance, unpack_covariance
 
 deviations = st.floats(2 * LEAST_M, 0.9)
 UPPER = np.triu_indices(3)

@@ -1,7 +1,7 @@
 """What the sites have logged is shown as rows of words, not as it stands in a log."""
 
 from common.process.log import LOGFMT
-from farhand.loopback.logged import rows_of
+from farhand.loopback.display import rows_of
 
 
 def logged(site: str, **fields: object) -> str:

@@ -1,6 +1,6 @@
 """The list of a replay has what a person may want to see again, and nothing of what only comes and goes."""
 
-from farhand.replay.jumps import RecordedEvent, worth_a_jump
+from farhand.replay.recorded_scene import RecordedEvent, worth_a_jump
 
 SAID = (
     (0.0, "session", "disengaged (site_starting): the site is starting"),

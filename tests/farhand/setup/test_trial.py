@@ -10,7 +10,7 @@ from common.clock import FakeClock
 from common.errors import CameraError
 from common.messages.hand import TrackingStatus
 from farhand.doctor.findings import Severity
-from farhand.setup.tracking_cures import CURES, OTHERWISE, cure_of, without_counts
+from farhand.setup.trial import CURES, OTHERWISE, cure_of, without_counts
 from farhand.setup.trial import TrackerTrial, judge_trial, run_trial, views_for
 from local_site.acquisition.pairing import PairingConfig
 from local_site.simulation.cameras import exact_rig

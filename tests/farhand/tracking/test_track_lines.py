@@ -9,7 +9,7 @@ import farhand.tracking.track
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S
 from common.messages.hand import TrackingStatus
-from farhand.tracking.results.tables import json_lines
+from farhand.tracking.results.outputs import json_lines
 from farhand.tracking.summary import describe
 from farhand.tracking.track import track_recording
 from local_site.simulation.cameras import exact_rig

@@ -6,8 +6,8 @@ import pytest
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import CameraError
-from local_site.acquisition import paced_recording
-from local_site.acquisition.paced_recording import PacedRecording, RecordingStart
+from local_site.acquisition import rig_cameras
+from local_site.acquisition.rig_cameras import PacedRecording, RecordingStart
 
 START_NS = 41_953 * NS_PER_S
 FRAME_MS = 40
@@ -56,7 +56,7 @@ def test_name_and_end_are_the_recordings():
 
 
 def test_a_recording_that_was_cut_off_fails_as_a_camera_does(monkeypatch):
-    monkeypatch.setattr(paced_recording, "damage_of", lambda _: "camera left: cut off")
+    monkeypatch.setattr(rig_cameras, "damage_of", lambda _: "camera left: cut off")
     camera = PacedRecording(Recording(1), RecordingStart(FakeClock(START_NS)))
     assert camera.read() is not None
     with pytest.raises(CameraError, match="cut off"):

@@ -6,7 +6,7 @@ from typing import Any
 
 import uvicorn
 
-from local_site.console.page_socket import PageSocket
+from local_site.console.server import PageSocket
 
 MASK = b"\0\0\0\0"
 HANDSHAKE = (

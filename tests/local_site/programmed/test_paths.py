@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from common.errors import ConfigError
 from common.geometry import angle_between, rotation_from_vector, transform
 from local_site.programmed.approach import LONGEST_M, SPEED_M_S, SPEED_RAD_S, approach, why_too_far
-from local_site.programmed.path_clock import ACCELERATION_PER_S, PathClock
+from local_site.programmed.path_progress import ACCELERATION_PER_S, PathClock
 from local_site.programmed.tool_trajectory import ToolTrajectory
 
 DT_S = 1 / 60

@@ -2,7 +2,7 @@
 
 from common.clock import NS_PER_MS
 from common.messages.hand import TrackingStatus
-from local_site.runtime.sample_tally import SampleTally
+from local_site.runtime.loop import SampleTally
 
 
 def test_a_sample_without_a_hand_counts_as_sent_and_says_nothing_of_ages():

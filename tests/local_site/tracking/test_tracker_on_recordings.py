@@ -9,7 +9,7 @@ import pytest
 
 from common.cameras.sources import open_camera
 from farhand.calibration.points import calibrate_points
-from farhand.tracking.results.tables import json_lines
+from farhand.tracking.results.outputs import json_lines
 from farhand.tracking.track import track_recording
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"

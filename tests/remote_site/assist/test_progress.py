@@ -5,7 +5,7 @@ import math
 import pytest
 
 from common.clock import NS_PER_S
-from remote_site.assist.progress import LeadProgress
+from remote_site.assist.assist import LeadProgress
 
 NONE = (0.0, 0.0)
 

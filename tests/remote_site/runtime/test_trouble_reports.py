@@ -7,7 +7,7 @@ from structlog.testing import capture_logs
 from common.clock import NS_PER_S
 from common.link.servers import Asked
 from common.messages.requests import TroubleNoted, TroubleReport
-from remote_site.runtime.trouble_reports import TroubleReports
+from remote_site.runtime.request_server import TroubleReports
 
 
 class Reports:

@@ -6,7 +6,7 @@ import pytest
 from common.clock import NS_PER_MS
 from common.geometry import rotation_from_vector
 from remote_site.safety.config import SafetyConfig
-from remote_site.teleop.orientation_gate import OrientationGate
+from remote_site.teleop.sample_validator import OrientationGate
 
 FRAME_NS = 33 * NS_PER_MS
 

@@ -5,7 +5,7 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from farhand.doctor.link.figures import Echoed, link_figures
-from farhand.doctor.link.load_window import FIRST_BYTES, LoadWindow
+from farhand.doctor.link.probing import FIRST_BYTES, LoadWindow
 
 APART_NS = 7 * NS_PER_S  # the remote clock is ahead
 PERIOD_MS = 33.0

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from farhand.tracking.results.tables import COLUMNS, csv_rows, json_lines
+from farhand.tracking.results.outputs import COLUMNS, csv_rows, json_lines
 from tests.farhand.tracking.results.tracked import pair, write_then_fail
 
 WRIST = (0.1, 0.25, -0.5)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common.geometry import rotation_from_vector
-from lab.experiments.thesis.rotation_centres import across_axis, fit_circle, fit_sphere, windows
+from lab.experiments.thesis.icr import across_axis, fit_circle, fit_sphere, windows
 
 CENTRE, RADIUS = np.array([0.5, 0.4, 0.6]), 0.41
 

@@ -10,7 +10,7 @@ from lab.stage.stand_ins.pictures import PictureLog, SeenPictures, SightLog, rea
 from lab.stage.stand_ins.played_remote import FRAME_NS, PlayedCamera, number_of
 from lab.measure.video.link import live_frame
 from lab.measure.wan.pictures import Likeness, Seen, picture_figures, read_seen, understated_ms
-from lab.measure.wan.similarity import ssim
+from lab.measure.wan.pictures import ssim
 from common.cameras.camera import Image
 from common.messages.video import Codec, VideoFrame
 from remote_site.video.streaming.encoding import Encoded, PictureEncoder

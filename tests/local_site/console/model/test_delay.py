@@ -2,7 +2,7 @@
 
 import pytest
 
-from local_site.console.model.delay import loop_delay_ms, suggested_scale
+from local_site.console.model.situation import loop_delay_ms, suggested_scale
 
 
 def test_the_way_back_counts_once() -> None:

@@ -4,7 +4,7 @@ import msgspec
 import pytest
 
 from common.messages.robot import SITE_ENDED, STOPPED, RobotState, SessionState
-from local_site.console.model.unanswered import UnansweredFault
+from local_site.console.model.history import UnansweredFault
 from tests.common.messages.golden_examples import STATE
 
 FAULT, DISENGAGED, ENGAGED = SessionState.FAULT, SessionState.DISENGAGED, SessionState.ENGAGED

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS
-from remote_site.drivers.franka.robot_time import RobotTime
+from remote_site.drivers.franka.robot_watch import RobotTime
 
 ZERO_NS = 5_000 * NS_PER_MS
 
