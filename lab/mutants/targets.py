@@ -85,7 +85,7 @@ TARGETS = (
     *_targets(REMOTE / "teleop", VALIDATION, sample_validator=18, certainty=5, turn_certainty=6),
     *_targets(REMOTE / "teleop", TURNS, followed_orientation=10),
     *_targets(MAPPED, MAPPING, relative_mapping=8, rotation_mapping=4),
-    *_targets(REMOTE / "teleop", MAPPING, tool_target=12, target_time=6, hold_offset=6, mapping=4),
+    *_targets(REMOTE / "teleop", MAPPING, tool_target=18, hold_offset=6, mapping=4),
     *_targets(REMOTE / "teleop", PIPELINE, gripper_toggles=6, sample_receiver=3, pipeline=10),
     *_targets(
         REMOTE / "motion",
@@ -157,8 +157,7 @@ TARGETS = (
     *_targets(
         REMOTE / "assist",
         ASSIST,
-        assist=15,
-        held_key=5,
+        assist=20,
         leading=5,
         marker_watch=8,
         standing_marker=6,

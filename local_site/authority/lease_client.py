@@ -17,7 +17,6 @@ from common.link.channels import DESCRIBE, LEASE, OPERATE
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
 from common.link.transport import Link
-from common.link.trouble_report import tell_by_tls
 from common.messages.hand import ClockSync
 from common.messages.requests import (
     SILENT,
@@ -33,6 +32,11 @@ from common.messages.requests import (
 from common.messages.robot import Asker, site_words
 from common.process.log import RefusalLog
 from local_site.authority.lease_policy import KEEP_ASKING_NS, LeasePolicy
+import time
+from common.errors import TransportError
+from common.link.channels import TROUBLE
+from common.link.transport import Link, open_link
+from common.messages.requests import TroubleReport
 
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS
@@ -42,6 +46,26 @@ ROUNDS_TO_DOUBT = 25  # of silence, until it probes for the reason: about six se
 ROUNDS_TO_WARN = 7  # at most five seconds
 TAKE_IT = "where it is wanted again: farhand lease take, which also brings back that it is asked for automatically"
 ACTIONS = {OperatorAction.GIVE: LeaseAction.HAND_OVER, OperatorAction.RELEASE: LeaseAction.RELEASE}
+PATIENCE_S = 2.0
+ASK_EVERY_S = 0.1
+
+
+def tell_by_tls(link: Link, cell: str, operator: str, reason: str) -> bool:
+    """Whether the remote site was told, at the endpoint of a QUIC link, where it listens for TLS as well."""
+    fallback = link.tls_fallback()
+    if fallback is None:
+        return False
+    endpoint, security = fallback
+    deadline_s = time.monotonic() + PATIENCE_S
+    try:
+        with open_link(connect=(str(endpoint),), security=security) as by_tls:
+            while time.monotonic() < deadline_s:
+                if by_tls.ask(TROUBLE, cell, TroubleReport(reason=reason), operator=operator) is not None:
+                    return True
+                time.sleep(ASK_EVERY_S)
+    except TransportError:
+        return False  # it is refused or gone for another reason, which this side reports
+    return False
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,6 @@ from lab.experiments.placing.marked_cell import CellMarkers, with_markers
 from lab.experiments.placing.network import Messages, Network
 from lab.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
 from lab.experiments.placing.tracked_operator import TrackedOperator
-from lab.experiments.placing.true_sight import TrueSight
 from lab.experiments.stepped.robots import SteppedCell
 from lab.experiments.stepped.site import OPERATOR, Every, SteppedSite
 from lab.visual_operator.hand import Motor, ScriptedHand
@@ -29,6 +28,17 @@ from local_site.tracking.choice import TrackingConfig
 from remote_site.config import RemoteConfig
 from remote_site.session.config import EngagementMode
 from remote_site.session.samples import NamedSample
+from collections import deque
+from collections.abc import Mapping
+import numpy as np
+from common.clock import NS_PER_S
+from common.geometry import Array, transform
+from lab.experiments.stepped.robots import SteppedCell
+from lab.experiments.stepped.site import Every, SteppedSite
+from lab.visual_operator.shown import ShownPage, ShownView
+from lab.visual_operator.sight.sight import Scene
+from remote_site.config import RemoteConfig
+from remote_site.simulation.config import BLOCK
 
 TRACKING_NS, LINK_NS = 20 * NS_PER_MS, 5 * NS_PER_MS  # from an exposure to the sample sent; on its way
 CAMERA_NS, PAGE_NS, THESIS_NS = NS_PER_S // 30, NS_PER_S // 10, NS_PER_S // 5
@@ -39,6 +49,40 @@ MOST_S = 120.0
 # Where the block starts (thesis section 5.3): its middle anywhere in a disc of 150 mm, turned by at most 30 deg.
 START_XY_M, START_RADIUS_M, START_TURN_DEG = (0.53, 0.04), 0.075, 30.0
 WRIST_M = (0.60, 0.42, 0.58)  # of the operator, at the start
+
+
+class TrueSight:
+    """Takes the simulation's poses at each exposure instead of pictures, and hands them out as the pages come."""
+
+    def __init__(self, config: RemoteConfig, site: SteppedSite[SteppedCell]) -> None:
+        self._data = site.robot.cell.data
+        self._exposures = Every(round(NS_PER_S / config.video.fps), site.now_ns)
+        scene = config.simulation.scene
+        self._target = transform(np.eye(3), np.array([*scene.target_corner_xy_m, scene.table_z_m]))
+        self._scenes: deque[Scene] = deque()
+
+    def expose(self, now_ns: int) -> None:
+        """Remember the scene, as often as pictures would be taken."""
+        if self._exposures.due(now_ns):
+            self._scenes.append(Scene(now_ns, self._body(BLOCK), self._fingers(), self._target))
+
+    def page(self, now_ns: int) -> Mapping[str, ShownView]:
+        """There are no pictures."""
+        del now_ns
+        return {}
+
+    def see(self, shown: ShownPage) -> Scene:
+        """The scene of the oldest exposure not yet seen."""
+        del shown
+        return self._scenes.popleft()
+
+    def _body(self, name: str) -> Array:
+        body = self._data.body(name)
+        return transform(body.xmat.reshape(3, 3).copy(), body.xpos.copy())
+
+    def _fingers(self) -> Array:
+        left, right = (self._data.geom(name).xpos for name in ("finger_left", "finger_right"))
+        return transform(self._body("gripper_body")[:3, :3], (left + right) / 2)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from common.link.endpoints import Endpoint
 from common.link.quic_blockage import QuicBlockageDetector
 from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
-from common.link.trouble_report import tell_by_tls
+from local_site.authority.lease_client import tell_by_tls
 from common.messages.requests import ClockAnswer, ClockQuestion, TroubleNoted
 from farhand.loopback.site_process import free_ports
 from tests.common.link.secured_cell import ANNA, CELL, running, secured, until

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation, Slerp
 
-from farhand.teach.reduction import reduced
+from farhand.teach.extraction import reduced
 
 TOLERANCE_M, TOLERANCE_RAD = 0.002, np.radians(2.0)
 WAVE = st.tuples(*[st.floats(-0.15, 0.15)] * 6)

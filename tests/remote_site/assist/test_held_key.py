@@ -2,7 +2,7 @@
 
 from common.clock import NS_PER_MS
 from common.messages.hand import Intent
-from remote_site.assist.held_key import HeldKey
+from remote_site.assist.assist import HeldKey
 from tests.remote_site.assist.sightings import PRESSED, RELEASED
 
 

@@ -6,7 +6,7 @@ import pytest
 from common.clock import NS_PER_MS
 from common.messages.hand import ClockSync
 from remote_site.session.samples import Accepted
-from remote_site.teleop.target_time import MOST_PREDICTED_NS, TargetTime
+from remote_site.teleop.tool_target import MOST_PREDICTED_NS, TargetTime
 from tests.remote_site.remote_loop import hand
 
 FRAME_MS, MEASURED_EACH = 33, 30  # samples, between two measurements of the offset
