@@ -38,6 +38,7 @@ WAITING = (
     HERE / "farhand" / "authority",
     HERE / "common" / "link",
     HERE / "farhand" / "certificates",
+    HERE / "examples",
     HERE / "common" / "process" / "test_life.py",
     HERE / "loopback" / "test_dying_site.py",
     HERE / "farhand" / "doctor",
