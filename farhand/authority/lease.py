@@ -11,7 +11,7 @@ from common.link.channels import OPERATE
 from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.request_client import RequestClient
 from common.messages.requests import SILENT, WAITING, OperatorAction, OperatorRequest
-from common.messages.robot import Asker, RobotState
+from common.messages.robot import Asker, LeaseState, RobotState
 from farhand.authority.asking import link_to, local_at, newest_state, remote_at
 from local_site.authority.lease_policy import KEEP_ASKING_NS
 
@@ -24,15 +24,30 @@ def seen_state(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) 
         return newest_state(link, cell)
 
 
+def readiness_words(state: RobotState) -> str:
+    """Whether the arm may be engaged, and why not."""
+    return f"{'ready' if state.readiness.ready else 'not ready'} ({state.readiness.code}): {state.readiness.reason}"
+
+
+def holder_words(lease: LeaseState, now_ns: int) -> str:
+    """For how long the lease's holder has it, at a time of the remote site."""
+    return f"{(lease.expires_ns - now_ns) / NS_PER_S:.1f} s until it expires or is renewed"
+
+
+def asker_words(lease: LeaseState) -> str | None:
+    """Who asks for the lease, and what its holder types to consent; None where nobody does."""
+    asker = lease.asked_by
+    return asker and f"{asker} asks for it; {lease.holder} consents with: farhand lease give {asker.name}"
+
+
 def describe_lease(state: RobotState) -> list[str]:
     """The lease and the clocks in words, a line for each."""
-    ready = f"{'ready' if state.readiness.ready else 'not ready'} ({state.readiness.code}): {state.readiness.reason}"
-    if state.lease is None:
+    lease, ready = state.lease, readiness_words(state)
+    if lease is None:
         return ["nobody holds the lease", ready]
-    left_s = (state.lease.expires_ns - state.t_ns) / NS_PER_S
-    words = [f"{state.lease} holds the lease, {left_s:.1f} s until it expires or is renewed"]
-    if (asker := state.lease.asked_by) is not None:
-        words.append(f"{asker} asks for it; {state.lease.holder} consents with: farhand lease give {asker.name}")
+    words = [f"{lease} holds the lease, {holder_words(lease, state.t_ns)}"]
+    if (asks := asker_words(lease)) is not None:
+        words.append(asks)
     if state.clock is not None:
         words.append(
             f"clocks: remote minus local {state.clock.remote_minus_local_ns / 1e6:.3f} ms, "

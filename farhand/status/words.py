@@ -7,8 +7,9 @@ from typing import Any
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.link.channels import STATE
-from common.messages.robot import GripperState, HandLink, RobotState, SessionState
+from common.messages.robot import FOLLOWING, GripperState, HandLink, RobotState, SessionState
 from common.messages.video import CameraStatus
+from farhand.authority.lease import asker_words, holder_words, readiness_words
 from farhand.status.observed import Observed, ObservedCamera
 
 UNKNOWN = "not known"
@@ -90,19 +91,15 @@ def _lease(state: RobotState) -> Iterator[Row]:
     if lease is None:
         yield Row("lease", "nobody holds it", Mood.WORTH_A_LOOK)
         return
-    left_s = (lease.expires_ns - state.t_ns) / NS_PER_S
-    yield Row("lease", f"{lease} holds it, {left_s:.1f} s until it expires or is renewed")
-    if (asker := lease.asked_by) is not None:
-        words = f"{asker} asks for it; {lease.holder} consents with: farhand lease give {asker.name}"
-        yield Row("asked for", words, Mood.WORTH_A_LOOK)
+    yield Row("lease", f"{lease} holds it, {holder_words(lease, state.t_ns)}")
+    if (asks := asker_words(lease)) is not None:
+        yield Row("asked for", asks, Mood.WORTH_A_LOOK)
 
 
 def _readiness(state: RobotState) -> Row:
-    if state.state in (SessionState.ENGAGED, SessionState.HOLDING):
+    if state.state in FOLLOWING:
         return Row("readiness", "the arm is engaged")
-    ready = state.readiness
-    words = f"{'ready' if ready.ready else 'not ready'} ({ready.code}): {ready.reason}"
-    return Row("readiness", words, Mood.GOOD if ready.ready else Mood.WORTH_A_LOOK)
+    return Row("readiness", readiness_words(state), Mood.GOOD if state.readiness.ready else Mood.WORTH_A_LOOK)
 
 
 def _hand(state: RobotState) -> Iterator[Row]:

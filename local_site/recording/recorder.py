@@ -15,7 +15,7 @@ from common.messages.codec import decode
 from common.messages.hand import HandArm
 from common.messages.recording import RecordingNotice, RecordingState
 from common.messages.requests import RecordRequest
-from common.messages.robot import RobotState, SessionState
+from common.messages.robot import FOLLOWING, RobotState
 from common.messages.video import Codec, VideoFrame
 from common.recording import foxglove
 from common.recording.asked_recording import AskedRecording
@@ -32,7 +32,6 @@ from local_site.recording.source import HeardMessage
 NOTICE_NS = 200 * NS_PER_MS
 SITE_GONE_NS = 5 * NS_PER_S  # as long as a lease lasts without its local site
 OPERATOR_TABLE = "farhand.operator"
-ENGAGED = (SessionState.ENGAGED, SessionState.HOLDING)
 
 
 class Heard(Protocol):
@@ -129,7 +128,7 @@ class OperatorRecorder:
         session.add(topic, message.payload, message.t_ns, published_ns)
 
     def _follow(self, session: RecordingSession, state: RobotState, t_ns: int) -> None:
-        self._recording.follow(session, engaged=state.state in ENGAGED, t_ns=t_ns)
+        self._recording.follow(session, engaged=state.state in FOLLOWING, t_ns=t_ns)
         said = state.state.value, state.code
         if said != self._said:
             self._said = said

@@ -8,13 +8,12 @@ from common.link.transport import Link
 from common.messages.recording import RecordingState
 from common.messages.requests import RecordAction, RecordRequest, Reply
 from common.recording.episodes import MOST_EPISODES
+from common.recording.policy import RecorderRefusal, recorder_refusal
 from remote_site.reasons import Code, Reason, reason
 from remote_site.recording.control_tap import ControlTap
 from remote_site.recording.records import RecordOrder
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.session.lease import Lease, LeaseServer
-
-WHOLE_RECORDING = (RecordAction.START, RecordAction.STOP)
 
 
 class RecordingRequests:
@@ -67,16 +66,7 @@ def refusal_of(
         return reason(Code.NO_LEASE)
     if lease.holder.name != operator:
         return reason(Code.NOT_HOLDER, holder=lease.holder)
-    if recorder is None:
-        return reason(Code.NO_RECORDER)
-    if action in WHOLE_RECORDING and not recorder.on_request:
-        return reason(Code.RECORD_FIXED)
-    return _episode_refusal(action, recorder) if action not in WHOLE_RECORDING else None
-
-
-def _episode_refusal(action: RecordAction, recorder: RecordingState) -> Reason | None:
-    if not recorder.writing:
-        return reason(Code.NOT_RECORDING)
-    if action is RecordAction.BEGIN and recorder.episode >= MOST_EPISODES:
+    refusal = recorder_refusal(action, recorder)
+    if refusal is RecorderRefusal.TOO_MANY_EPISODES:
         return reason(Code.TOO_MANY_EPISODES, most=MOST_EPISODES)
-    return None
+    return reason(Code(refusal.value)) if refusal is not None else None

@@ -15,7 +15,7 @@ from common.link.pubsub import Publisher
 from common.link.transport import Link, open_link
 from common.messages.base import SESSION_BITS
 from common.messages.probe import MOST_PADDING, Probe, ProbeEcho
-from common.messages.robot import RobotState, SessionState
+from common.messages.robot import FOLLOWING, RobotState
 from farhand.doctor.link.figures import Echoed, LinkFigures, link_figures, round_trips_ms
 from common.clock import NS_PER_MS, NS_PER_S
 
@@ -102,7 +102,7 @@ class HeardProbes:
     @property
     def engaged(self) -> bool:
         """Whether the arm follows, or would follow again."""
-        return self.state is not None and self.state.state in (SessionState.ENGAGED, SessionState.HOLDING)
+        return self.state is not None and self.state.state in FOLLOWING
 
 
 def measure_link(
