@@ -25,6 +25,7 @@ from common.messages.codec import encode
 from common.messages.hand import HandArm
 from common.messages.requests import ClockAnswer, EngagementAction, EngagementRequest, Reply, StopRequest
 from farhand.certificates.issuing import Issued
+from tests.waiting import until
 
 HAND_SAMPLE, ROBOT_STATE = golden.HAND, golden.STATE
 CELL = "lab"
@@ -68,13 +69,6 @@ _SEQS = itertools.count()
 def another_sample() -> HandArm:
     """A hand sample that is no copy of one before."""
     return msgspec.structs.replace(HAND_SAMPLE, seq=next(_SEQS))
-
-
-def until(is_so: Callable[[], object]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not is_so():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.01)
 
 
 class Cell:

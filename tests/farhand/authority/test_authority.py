@@ -30,6 +30,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.session.lease import LeaseServer
+from tests.waiting import until
 
 CELL = "test"
 PATIENCE_S = 10.0
@@ -37,13 +38,6 @@ PATIENCE_S = 10.0
 
 def endpoint():
     return f"tcp/127.0.0.1:{free_ports(1)[0]}"
-
-
-def until(is_so, what):
-    deadline = time.monotonic() + PATIENCE_S
-    while not is_so():
-        assert time.monotonic() < deadline, f"waited in vain for {what}"
-        time.sleep(0.01)
 
 
 @pytest.fixture(scope="module")

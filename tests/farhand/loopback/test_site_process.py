@@ -19,13 +19,6 @@ time.sleep(60)
 """
 
 
-def until(is_so: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 20.0
-    while not is_so():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.01)
-
-
 @pytest.mark.parametrize(
     ("text", "error"),
     [
@@ -35,6 +28,7 @@ def until(is_so: Callable[[], bool]) -> None:
         ("Segmentation fault", "Segmentation fault"),
     ],
 )
+from tests.waiting import until
 def test_an_ended_process_gives_its_reason(text: str, error: str) -> None:
     process = SiteProcess("test", [sys.executable, "-c", SAYING.format(text=text)], {})
     until(lambda: process.exit_code is not None)

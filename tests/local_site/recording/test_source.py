@@ -14,16 +14,10 @@ from farhand.loopback.site_process import free_ports
 from local_site.authority.config import AuthorityConfig
 from local_site.config import LocalConfig, LocalLinksConfig
 from local_site.recording.source import OperatorSource
+from tests.waiting import until
 
 PATIENCE_S = 10.0
 CELL, NAME = "cell", "anna"
-
-
-def until(what: str, is_so: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
-    while not is_so():
-        assert time.monotonic() < deadline, f"waited in vain for {what}"
-        time.sleep(0.01)
 
 
 @pytest.fixture
@@ -48,14 +42,14 @@ def test_orders_and_messages_come_each_once(config: LocalConfig, site: Link) -> 
     hands, orders = site.publisher(HAND, CELL, operator=NAME), site.publisher(RECORD_ORDER, CELL, operator=NAME)
     start = RecordRequest(id=7, deadline_ns=1, action=RecordAction.START)
     with OperatorSource(config) as source:
-        until("the recorder", lambda: hands.has_listener and orders.has_listener)
+        until(lambda: hands.has_listener and orders.has_listener, "the recorder")
         hands.put(golden.HAND)
         orders.put(start)
         taken: list[RecordRequest] = []
-        until("the order", lambda: bool(taken.extend(source.orders()) or taken))
+        until(lambda: bool(taken.extend(source.orders()) or taken), "the order")
         assert taken == [start]
         keys: set[str] = set()
-        until("both messages", lambda: bool(keys.update(m.key for m in source.take() if m.sent) or len(keys) == 2))
+        until(lambda: bool(keys.update(m.key for m in source.take() if m.sent) or len(keys) == 2), "both messages")
         assert keys == {HAND.key_for(CELL, operator=NAME), RECORD_ORDER.key_for(CELL, operator=NAME)}
         assert list(source.orders()) == []
 
@@ -64,13 +58,13 @@ def test_the_views_are_heard_only_while_they_are_wanted(config: LocalConfig, sit
     view = site.publisher(PREVIEW, CELL, "left", operator=NAME)
     with OperatorSource(config) as source:
         hands = site.publisher(HAND, CELL, operator=NAME)
-        until("the recorder", lambda: hands.has_listener)
+        until(lambda: hands.has_listener, "the recorder")
         assert not view.has_listener
         source.hear_views(wanted=True)
-        until("a listener", lambda: view.has_listener)
+        until(lambda: view.has_listener, "a listener")
         began = time.monotonic()
         source.hear_views(wanted=False)
         assert time.monotonic() - began < 0.4, "its threads did not notice"
-        until("no listener", lambda: not view.has_listener)
+        until(lambda: not view.has_listener, "no listener")
         source.hear_views(wanted=True)
-        until("a listener again", lambda: view.has_listener)
+        until(lambda: view.has_listener, "a listener again")

@@ -15,6 +15,7 @@ from remote_site.simulation import process
 from remote_site.simulation.config import CellConfig, ServoConfig
 from remote_site.simulation.controller import ControllerFault
 from remote_site.simulation.memory import CellMemory
+from tests.waiting import until
 
 FORK = multiprocessing.get_context("fork")
 ROBOT = RobotConfig()
@@ -153,13 +154,13 @@ def test_the_cell_outlives_its_parent_only_to_stop_the_arm():
     memory, pids = CellMemory.create(6), FORK.Array("q", 1)
     parent = FORK.Process(target=parent_of_a_cell, args=(memory, pids))
     parent.start()
-    wait_for(lambda: pids[0])
+    until(lambda: pids[0])
     writer = FORK.Process(target=turn_joint_1, args=(memory,))
     writer.start()
-    wait_for(lambda: memory.reading.read()["dq"][0] > 0.4)
+    until(lambda: memory.reading.read()["dq"][0] > 0.4)
     parent.kill()
     parent.join(5)
-    wait_for(lambda: not is_running(pids[0]))
+    until(lambda: not is_running(pids[0]))
     last = memory.reading.read()
     writer.kill()
     writer.join(5)
@@ -172,13 +173,6 @@ def test_a_cell_beats_after_each_step(monkeypatch: pytest.MonkeyPatch):
     cell, steps = process.SimulatedCell(CONFIG, ROBOT, CellMemory.create(6)), []
     process.run_cell(cell, lambda: len(steps) >= 5, lambda: steps.append(round(cell.data.time / cell.dt)))
     assert steps == [1, 2, 3, 4, 5]
-
-
-def wait_for(reached, seconds: float = 30.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not reached():
-        assert time.monotonic() < deadline, f"not reached in {seconds} s"
-        time.sleep(0.002)
 
 
 def is_running(pid: int) -> bool:

@@ -17,15 +17,9 @@ from farhand.loopback.site_process import free_ports
 from lab.visual_operator.at_console import page_connection
 from lab.visual_operator.at_console.console_page import ConsolePage
 from lab.visual_operator.at_console.page_connection import PageConnection
+from tests.waiting import until
 
 PATIENCE_S = 30.0
-
-
-def until(is_so):
-    deadline = time.monotonic() + PATIENCE_S
-    while not is_so():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.02)
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ from remote_site.drivers.position_arm.arm import PositionArm, PositionArmWithGri
 from remote_site.drivers.position_arm.calls import ArmCallError
 from remote_site.drivers.position_arm.driver import PositionArmDriver
 from tests.contracts.driver_stands import SETUP
+from tests.waiting import until
 
 PATIENCE_S = 5.0
 
@@ -71,14 +72,6 @@ class WaitingGripperArm(WaitingArm, PositionArmWithGripper):
 
     def gripper_opening_m(self):
         return 0.04
-
-
-def until(condition):
-    """Wait until it holds; the test fails if it does not come to that."""
-    end = time.monotonic() + PATIENCE_S
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.002)
 
 
 def reads(driver):
