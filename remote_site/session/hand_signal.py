@@ -8,6 +8,7 @@ from remote_site.session.samples import Accepted, Rejected
 
 AGAIN_FRAMES = 12  # once the link has been down: enough to judge how it is now (`link_ages.py`)
 AGAIN_NS = 30 * NS_PER_S  # so long a window's ages count
+ANSWERED_NS = 1500 * NS_PER_MS  # samples come by lanes too: only answers show that a stop would come through
 REPEATS = (Code.DUPLICATE, Code.OLD)  # they do not concern the hand
 CLOCK_TROUBLE = (Code.NO_OFFSET, Code.OLD_OFFSET, Code.FUTURE)  # the age of the hand is unknown
 
@@ -27,6 +28,7 @@ class HandSignal:
         self._latch_ns = round(safety.t_latch_ms * NS_PER_MS)
         self.good = 0
         self._born_ns: int | None = None
+        self._answered_ns = 0
         self._trouble: Reason | None = None
         self._late: Reason | None = None
 
@@ -65,6 +67,8 @@ class HandSignal:
             gap_ns = result.born_ns - self._born_ns if self._born_ns is not None else 0
             self.good = self.good + 1 if gap_ns <= self.soft_ns else 1
             self._born_ns, self._trouble, self._late = result.born_ns, None, None
+            clock = result.sample.clock
+            self._answered_ns = clock.measured_ns if clock is not None else 0
             if self.good >= self.frames:
                 self._proven_ns = result.born_ns
         elif result.reason.code not in REPEATS:
@@ -87,6 +91,13 @@ class HandSignal:
         if self._born_ns is None:
             return self._late or reason(Code.NO_HAND)
         return self._stale(now_ns, self.soft_ns) if self._age_ns(now_ns) > self.soft_ns else None
+
+    def unanswered(self, now_ns: int) -> Reason | None:
+        """Why no engagement can begin: the questions that its sender asks the remote site are not answered."""
+        age_ns = now_ns - self._answered_ns
+        if age_ns <= ANSWERED_NS:
+            return None
+        return reason(Code.OLD_OFFSET, age_ms=age_ns / NS_PER_MS, limit_ms=ANSWERED_NS / NS_PER_MS)
 
     def too_slow(self) -> Reason | None:
         """Why no engagement can begin with samples that come so old or so rarely."""

@@ -297,7 +297,8 @@ class Session:
         if not robot.resting:
             return reason(Code.MOVING)
         unfit = self._hand.too_slow() or self._hand.unfit(now_ns) or self._page_silence()
-        return unfit or self.page.clutch.reason() or self._hand.collecting(self._hand.frames)
+        unfit = unfit or self.page.clutch.reason() or self._hand.unanswered(now_ns)
+        return unfit or self._hand.collecting(self._hand.frames)
 
     def _slow(self) -> Reason | None:
         """Why control is too slow to lead an arm, None while it keeps up."""

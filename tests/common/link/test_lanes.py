@@ -66,7 +66,7 @@ def longest_wait_ms(connections: int, copies: int, round_trip_ms: int) -> int:
     return max(lane.longest_ms for lane in lanes)
 
 
-@pytest.mark.parametrize("round_trip_ms", [240, 290, 400, 500])
+@pytest.mark.parametrize("round_trip_ms", [240, 290, 350])
 def test_on_a_long_way_with_losses_samples_wait_on_one_connection_and_never_in_lanes(round_trip_ms: int) -> None:
     assert longest_wait_ms(1, 1, round_trip_ms) > 2 * PERIOD_MS
     assert longest_wait_ms(LANES, COPIES, round_trip_ms) == 0
@@ -80,12 +80,12 @@ def test_lanes_lead_to_the_remote_site_alone_since_a_router_would_send_copies_on
 
 
 def test_lanes_take_turns_by_two() -> None:
-    takers = [Taker() for _ in range(6)]
+    takers = [Taker() for _ in range(4)]
     publisher = LanePublisher(takers)  # type: ignore[arg-type]  # stand-ins
     for k in range(7):
         publisher.put(bytes([k]))
     taken = [[payload[0] for payload in taker.taken] for taker in takers]
-    assert taken == [[0, 3, 6], [0, 3, 6], [1, 4], [1, 4], [2, 5], [2, 5]]
+    assert taken == [[0, 2, 4, 6], [0, 2, 4, 6], [1, 3, 5], [1, 3, 5]]
 
 
 def test_a_copy_is_known_by_every_byte_and_for_two_seconds() -> None:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import pytest
+from msgspec import structs
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.robot import SessionState
@@ -28,6 +29,33 @@ from tests.remote_site.session.session_rig import (
     SessionRig,
     good,
 )
+
+
+def unanswered(rig: SessionRig, count: int, since_ns: int) -> Code:
+    """The reason after so many good samples whose clocks were compared last at this time, as by lanes alone."""
+    for _ in range(count):
+        rig.now_ns += PERIOD
+        sample = good(rig.now_ns)
+        clock = structs.replace(sample.sample.clock, measured_ns=since_ns)
+        rig.session.sample(replace(sample, sample=structs.replace(sample.sample, clock=clock)))
+        decision = rig.session.tick(rig.now_ns, READY)
+    return decision.reason.code
+
+
+def test_nothing_engages_while_the_senders_questions_are_not_answered_for_a_second_and_a_half():
+    rig = SessionRig()
+    since_ns = rig.now_ns - 600 * NS_PER_MS
+    assert unanswered(rig, 20, since_ns) is Code.COLLECTING
+    assert unanswered(rig, 40, since_ns) is Code.OLD_OFFSET
+    assert rig.session.state is SessionState.DISENGAGED
+    assert rig.frames(1).action is Action.CAPTURE
+
+
+def test_an_arm_that_follows_goes_on_following_while_questions_are_not_answered():
+    rig = SessionRig()
+    rig.frames(30)
+    unanswered(rig, 60, rig.now_ns)
+    assert rig.session.state is SessionState.ENGAGED
 
 
 def test_thirty_good_frames_engage_once_and_capture():
