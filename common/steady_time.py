@@ -1,4 +1,4 @@
-"""Steady time, which is neither slewed nor stands still in a suspend, and the offset of two hosts' clocks by it; pure."""
+"""Steady time, which is neither slewed nor stands still in a suspend, and two hosts' offset by it; pure."""
 
 from collections import deque
 from itertools import pairwise

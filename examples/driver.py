@@ -30,7 +30,7 @@ class LibraryArm:
 class MyArm(PositionArm):
     """Positions are in rad, in the order of the model's joints, with its signs and zeros."""
 
-    joints, rate_hz, lag_ms = JOINTS, 250.0, 20.0
+    joints, rate_hz, lag_ms, writes_stop = JOINTS, 250.0, 20.0, True
 
     def __init__(self, library: LibraryArm) -> None:
         self._library = library

@@ -1,4 +1,4 @@
-"""A page of one's own that shows a view of the cell as it comes: python examples/own_page.py [CAMERA] [PORT] [VIDEO] [CELL]
+"""A page of one's own that shows a view of the cell: python examples/own_page.py [CAMERA] [PORT] [VIDEO] [CELL]
 
 A browser shows the answer to `/` as a film: JPEG pictures one after the other, each as old as the link makes it.
 """
@@ -20,9 +20,7 @@ from common.messages.video import Codec
 HEAD = b"--picture\r\nContent-Type: image/jpeg\r\n\r\n"
 
 
-def main(
-    camera: str = "side", port: str = "8480", video: str = "tcp/127.0.0.1:7448", cell: str = "lab"
-) -> None:
+def main(camera: str = "side", port: str = "8480", video: str = "tcp/127.0.0.1:7448", cell: str = "lab") -> None:
     """Serve the page until Ctrl-C."""
     with open_link(connect=(video,), sessions=(ChannelSession.VIDEO,)) as link:
         newest = link.latest(CAMERA, cell, camera)

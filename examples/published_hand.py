@@ -2,8 +2,8 @@
 
 python examples/published_hand.py POSES.csv [REMOTE] [CELL] [OPERATOR]
 
-Each line of the file is `seconds,x,y,z`: the wrist in m in the operator frame. The arm follows once it is engaged, as by
-`farhand engage --operator OPERATOR`; the tool keeps its orientation, since no thumb is known.
+Each line of the file is `seconds,x,y,z`: the wrist in m in the operator frame. The arm follows once it is engaged, as
+by `farhand engage --operator OPERATOR`; the tool keeps its orientation, since no thumb is known.
 """
 
 import secrets
@@ -30,7 +30,7 @@ def main(file: str, remote: str = "tcp/127.0.0.1:7447", cell: str = "lab", opera
     seconds, *wrist = np.loadtxt(file, delimiter=",", ndmin=2).T
     clock, session = MonotonicClock(), secrets.randbits(SESSION_BITS)
     sampler, start_ns = HandSampler(session), clock.now_ns()
-    with open_link(connect=(remote,)) as link, Authority(link, cell, operator, session) as authority:
+    with open_link(connect=(remote,)) as link, Authority(link, cell, operator, session, automatic=True) as authority:
         publisher = link.publisher(HAND, cell, operator=operator)
         for number in range(1, int(seconds[-1] * 60) + 1):
             clock.sleep_until_ns(start_ns + number * PERIOD_NS)

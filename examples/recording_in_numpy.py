@@ -11,7 +11,7 @@ PERIOD_NS = 100_000_000
 
 
 def main(recording: str, out: str) -> None:
-    """Write times (n,) s, joints as measured and as sent (n, joints) rad, and the tool (n, 7) in m and as quaternion."""
+    """Write times (n,) s, joints measured and sent (n, joints) rad, the tool (n, 7) in m and as a quaternion."""
     with open_sessions([Path(recording)]) as (session,):
         facts, signals = session.facts, session.signals()
         instants = np.arange(facts.begin_ns, facts.end_ns, PERIOD_NS)

@@ -7,8 +7,8 @@ driver on a `DriverStand` in its author's tests.
 """
 
 from common.clock import Clock, FakeClock
-from common.host_clock import MonotonicClock
 from common.errors import DriverError
+from common.host_clock import MonotonicClock
 from common.messages.robot import GripperCommand
 from remote_site.drivers.checks_before_start import DriverCheck, checked_by
 from remote_site.drivers.conformance.machine_pauses import machine_pauses

@@ -7,14 +7,14 @@ instant in, an `ArmEstimate` out. `check_options` checks the tracker's own optio
 from common.cameras.camera import Frame, Image
 from common.errors import ConfigError, NotInstalledError
 from common.messages.hand import TrackingStatus
-from local_site.calibration.rig import CalibratedCamera, Rig
+from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.calibration.triangulation import triangulate
 from local_site.tracking.registry import Option, Scene, TrackerHost, TrackerKind, check_options
 from local_site.tracking.tracker import ArmEstimate, Overlay, Tracker, TrackingReason, View, Views
 
 __all__ = [
     "ArmEstimate",
-    "CalibratedCamera",
+    "CameraCalibration",
     "ConfigError",
     "Frame",
     "Image",

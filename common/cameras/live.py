@@ -15,9 +15,8 @@ from common.cameras.modes import device_of
 from common.cameras.settings import AS_IT_IS, CameraSettings
 from common.cameras.shown_source import shown_source
 from common.clock import NS_PER_MS, NS_PER_S, Clock
-from common.host_clock import MonotonicClock
 from common.errors import CameraError
-from common.clock import NS_PER_MS
+from common.host_clock import MonotonicClock
 
 WAITING_NS = 2 * NS_PER_MS  # a frame that comes sooner was waiting in a buffer
 MOST_WAITING = 8

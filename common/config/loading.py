@@ -14,9 +14,9 @@ from typing import Annotated, Any, Generic, Literal, TypeVar, Union, get_args, g
 
 import msgspec
 
-from common.errors import ConfigError, ConfigFileError
 from common.config.replaced_keys import GONE_KEYS, REPLACED_KEYS
 from common.config.type_words import in_plain_words
+from common.errors import ConfigError, ConfigFileError
 
 S = TypeVar("S", bound=msgspec.Struct)
 KeyPath = tuple[str, ...]

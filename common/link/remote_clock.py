@@ -3,12 +3,12 @@
 import threading
 
 from common.clock import ClockEstimate, RoundTrip
+from common.host_clock import host_time
 from common.link.aside import Aside
 from common.link.channels import CLOCK
 from common.link.transport import Link
 from common.messages.requests import ClockQuestion
 from common.steady_time import HostTime, SteadyEstimator
-from common.host_clock import host_time
 
 EARLY_ROUNDS = (8, 17)  # of five a second: just before and beyond the patience with a site that has just started
 

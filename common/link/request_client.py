@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Protocol, TypeVar
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock
-from common.host_clock import MonotonicClock
 from common.errors import SilenceError, TransportError
+from common.host_clock import MonotonicClock
 from common.link.channels import ANY, Procedure
 from common.link.remote_clock import RemoteClock
 from common.link.transport import REQUEST_TIMEOUT_S, Link

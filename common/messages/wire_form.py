@@ -16,9 +16,6 @@ from msgspec import inspect
 from common.errors import MessageError
 from common.messages.base import Message
 from common.text import cut
-import math
-import struct
-from common.errors import MessageError
 
 UNNAMED = "?"  # where a name is empty
 SINGLE, DOUBLE = "f", "d"  # formats of struct, both little-endian

@@ -4,24 +4,20 @@ import atexit
 import logging
 import os
 import sys
+import threading
+import traceback
 from collections import Counter
 from collections.abc import Mapping
 from enum import StrEnum
 from functools import cache
 from logging.handlers import QueueHandler, QueueListener
 from queue import SimpleQueue
+from types import TracebackType
 
 import structlog
 from structlog.typing import EventDict, Processor, WrappedLogger
 
 from common.errors import MessageError
-from common.text import escaped
-import logging
-import sys
-import threading
-import traceback
-from types import TracebackType
-import structlog
 from common.text import escaped
 
 STANDARD_ERROR = 2

@@ -6,13 +6,11 @@ from collections import Counter
 from pathlib import Path
 from typing import IO, Any, NamedTuple
 
+import structlog
 from mcap.writer import CompressionType, Writer
 
 from common.atomic_file import OWNER_ONLY
 from common.recording.topics import ChunkGroup, MessageSchema, Topic
-from pathlib import Path
-import structlog
-from common.recording.topics import MessageSchema, Topic
 
 MOST_CHUNK_BYTES = 16 << 20  # two seconds of four cameras: flushes make the chunks, not their size
 MOST_TOPICS_BYTES = 256 << 10  # of names and schemas; a site's own are some 50 kB, and a reader takes 1 MB

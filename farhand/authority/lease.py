@@ -36,8 +36,9 @@ def holder_words(lease: LeaseState, now_ns: int) -> str:
 
 def asker_words(lease: LeaseState) -> str | None:
     """Who asks for the lease, and what its holder types to consent; None where nobody does."""
-    asker = lease.asked_by
-    return asker and f"{asker} asks for it; {lease.holder} consents with: farhand lease give {asker.name}"
+    if (asker := lease.asked_by) is None:
+        return None
+    return f"{asker} asks for it; {lease.holder} consents with: farhand lease give {asker.name}"
 
 
 def describe_lease(state: RobotState) -> list[str]:

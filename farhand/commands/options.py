@@ -61,7 +61,6 @@ def known_tracker(name: str | None) -> str | None:
     return name
 
 
-
 def until_signal() -> StopFlag:
     """A flag that SIGTERM and Ctrl-C set."""
     should_stop = StopFlag()

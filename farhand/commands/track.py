@@ -93,9 +93,7 @@ def track(
     refuse_nothing(summary)
 
 
-def _site(
-    config: Path | None, settings: Sequence[str], tracker: str | None, shown_joints: str | None
-) -> "LocalConfig":
+def _site(config: Path | None, settings: Sequence[str], tracker: str | None, shown_joints: str | None) -> "LocalConfig":
     """The local site's configuration with the tracker that is asked for; a warning for each setting left unused."""
     from farhand.tracking.given_settings import refuse_other_tracker, unused_settings
     from farhand.tracking.run import joint_settings

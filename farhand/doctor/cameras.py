@@ -19,8 +19,8 @@ from common.link.port_holders import holder_of_device, is_ours
 from farhand.doctor.findings import Finding, error, ok, warning
 from local_site.calibration.rig_file import load_rig
 from local_site.kernels.pictures import as_colour
-from local_site.tracking.registry import tracker_kind
 from local_site.tracking.foreground.arm_colour import is_grey
+from local_site.tracking.registry import tracker_kind
 
 PICTURE_TIMEOUT_S = 10.0
 RATE_NS = 2 * NS_PER_S  # in which a camera's pictures are counted

@@ -1,29 +1,22 @@
 """The limits, tool and payload of a configured arm with their sources, and what its stops take; pure."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 
 from common.clock import NS_PER_MS
 from common.geometry import Array
 from remote_site.config import RemoteConfig
-from remote_site.kinematics.config import UNSTATED_JERK_RAD_S3
+from remote_site.kinematics.config import GRIPPER, UNSTATED_JERK_RAD_S3, CapsuleConfig, RobotConfig
 from remote_site.kinematics.limits import JointLimits
-from remote_site.kinematics.model import ArmModel
+from remote_site.kinematics.model import ASSUMED, GIVEN, ArmModel
+from remote_site.safety.config import SafetyConfig
 from remote_site.safety.stop_bound import longest_stops
 from remote_site.safety.stop_figures import StopFigures, rising_stop, steady_stop, way
 from remote_site.session.age_limit import AgeLimit, speed_scale_at
-from collections.abc import Mapping
-import numpy as np
-from common.geometry import Array
-from remote_site.kinematics.config import RobotConfig
-from remote_site.kinematics.model import ASSUMED, GIVEN, ArmModel
-import math
-from itertools import groupby
-from remote_site.config import RemoteConfig
-from remote_site.kinematics.config import GRIPPER, CapsuleConfig, RobotConfig
-from remote_site.safety.config import SafetyConfig
 
 MS = 1000.0
 SPEEDS_RAD_S = (0.5, 1.0)  # beside full speed

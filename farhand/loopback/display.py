@@ -1,6 +1,7 @@
 """What a person sees of a loopback run: a progress bar with the state in words; at the end a table and pictures."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Self
 
@@ -18,8 +19,6 @@ from common.text import escaped, file_name
 from farhand.loopback.figures import POINTS, Figures
 from farhand.loopback.recorder import CameraRecord, Record
 from farhand.terminal import table_of
-import re
-from collections.abc import Iterable
 
 TILE_PX = (480, 360)
 BAR_WIDTH = 12

@@ -12,8 +12,8 @@ import structlog
 import uvicorn
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset
-from common.host_clock import MonotonicClock
 from common.errors import RecordingError
+from common.host_clock import MonotonicClock
 from common.messages.hand import HandArm, OperatorSettings
 from common.messages.requests import Reply
 from common.messages.robot import RobotState

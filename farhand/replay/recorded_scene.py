@@ -1,7 +1,9 @@
 """What an operator's page shows, out of a recording: states, hand samples and pictures, in the order of their times."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -17,7 +19,7 @@ from common.link.channels import HAND, STATE
 from common.messages.codec import decode
 from common.messages.hand import HandArm
 from common.messages.requests import Description
-from common.messages.robot import RobotState
+from common.messages.robot import STOPPED, RobotState, SessionState
 from common.messages.video import CameraStatus, Codec, VideoFrame
 from common.recording.folder import parts_from
 from common.recording.hand_transcript import EPISODE, LOG
@@ -28,10 +30,6 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording import topics
 from remote_site.runtime.request_server import describe
-import re
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
-from common.messages.robot import STOPPED, SessionState
 
 BEFORE_NS = NS_PER_S // 2  # before the time that is jumped to: by then every panel has something
 MOST_EVENTS_BYTES = 8 << 20  # of one file, each with what keeping it takes

@@ -5,7 +5,6 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 
-
 from msgspec.structs import replace
 
 from common.cameras.camera import Camera

@@ -1,8 +1,9 @@
 """A trial of the configured tracker: how much of it tracks, why the rest does not, and what the room lacks."""
 
+import re
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -29,9 +30,6 @@ from local_site.acquisition.pairing import PairingConfig
 from local_site.calibration.rig import Rig
 from local_site.kernels.pictures import as_grey
 from local_site.tracking.tracker import ArmEstimate, Tracker, TrackingReason, Views
-import re
-from collections.abc import Mapping
-from local_site.tracking.tracker import TrackingReason
 
 GOOD_SHARE, POOR_SHARE, RARE_SHARE = 0.9, 0.5, 0.1
 NAMED_REASONS = 3

@@ -1,11 +1,14 @@
 """Watches a cell over its links, and shows its status until asked to stop, or once."""
 
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
 from importlib.metadata import version
 
 from rich.console import Console
 from rich.live import Live
+from rich.table import Table
+from rich.text import Text
 
 from common.clock import NS_PER_MS
 from common.errors import InterruptionError, TransportError
@@ -16,16 +19,12 @@ from common.link.transport import Link, open_link
 from common.messages.requests import DescribeQuestion
 from common.messages.robot import VideoTrouble
 from common.process.service import StopFlag
+from common.text import escaped
 from farhand.authority.asking import link_to, no_answer, remote_at
 from farhand.status.observed import OVER_NS, Observed
-from farhand.status.words import as_builtins, rows_of
+from farhand.status.words import Mood, Row, as_builtins, rows_of
 from farhand.terminal import say, tell
 from local_site.console.config import ConsoleConfig
-from collections.abc import Sequence
-from rich.table import Table
-from rich.text import Text
-from common.text import escaped
-from farhand.status.words import Mood, Row
 
 PATIENCE_S = 5.0
 REFRESH_S = 0.25

@@ -1,8 +1,11 @@
 """A task from one recorded episode: its path reduced to way points, with the gripper's actions and rests."""
 
+from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from common.geometry import Array, angle_between, inverse, transform
 from common.messages.robot import GripperCommand
@@ -10,11 +13,6 @@ from farhand.replay.recorded_scene import recorded_cell
 from farhand.replay.recorded_tool_path import recorded_path
 from farhand.teach.task_file import Grip, TaskFile, TaskOrigin, TaughtFrame, WayPoint, rows_of
 from local_site.programmed.tool_trajectory import ToolTrajectory
-from collections.abc import Sequence
-from itertools import pairwise
-import numpy as np
-from scipy.spatial.transform import Rotation
-from common.geometry import Array
 
 STEP_S = 0.02
 REST_M_S, REST_RAD_S = 0.01, np.radians(5.0)

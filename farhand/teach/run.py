@@ -1,6 +1,12 @@
 """A taught task on the robot: the hand that leads the tool through its way points, while a person holds the key."""
 
-from collections.abc import Sequence
+import os
+import select
+import sys
+import termios
+import tty
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -15,17 +21,9 @@ from farhand.teach.show import in_short
 from farhand.teach.task_file import GRIPPER, TaskFile, TaughtFrame, load_task
 from farhand.terminal import say
 from local_site.config import LocalConfig
-from local_site.programmed.path_progress import PathProgress
+from local_site.programmed.path_progress import PathProgress, RunOrder
 from local_site.programmed.path_runs import PathProgram
 from local_site.runtime.path_site import run_path
-import os
-import select
-import sys
-import termios
-import tty
-from collections.abc import Iterator
-from contextlib import contextmanager
-from local_site.programmed.path_progress import RunOrder
 
 NEAR_M = 1e-3  # a recorded path may touch the workspace's side
 KEYS = {

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 from common.clock import NS_PER_S
 from common.geometry import Array
 from common.messages.hand import TrackingStatus
+from farhand.reports.plotting import describe_panel, panels, png, widen
 from lab.experiments.follow_figures import (
     COLUMNS,
     GRID_NS,
@@ -26,7 +27,6 @@ from lab.experiments.following import Film, ToolPath, film, follow_by_mean, foll
 from lab.experiments.report import CsvTable, ExperimentReport, Figures, Progress, rounded
 from lab.experiments.stepped.robots import SteppedCell, SteppedController
 from lab.experiments.stepped.site import SteppedRobot
-from farhand.reports.plotting import describe_panel, panels, png, widen
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig

@@ -8,6 +8,9 @@ from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from common.errors import ConfigError, InterruptionError
+from farhand.outputs import check_folder, make_folder
+from farhand.reports.plotting import require_matplotlib
+from farhand.tracking.run import prepare_tracker
 from lab.experiments import follow
 from lab.experiments.placing import causes, over_network
 from lab.experiments.placing import series as placing
@@ -18,9 +21,6 @@ from lab.experiments.report import ExperimentReport, Progress, write_report
 from lab.experiments.results.every import run_every
 from lab.experiments.robonaut import commanding, drift, hazel
 from lab.experiments.thesis import calibration, icr, markers
-from farhand.outputs import check_folder, make_folder
-from farhand.reports.plotting import require_matplotlib
-from farhand.tracking.run import prepare_tracker
 from local_site.tracking.choice import TrackingConfig
 
 # Of each experiment, quick or in full: how many frames it makes, and how it is run, reporting each frame.

@@ -6,16 +6,16 @@ from typing import Literal
 
 import numpy as np
 
+from common.errors import CalibrationError
+from common.geometry import Array
 from lab.films.arm.person import ColouredSurface, body_of, ellipsoid
 from lab.films.arm.skin import TONES, Tone
 from lab.films.cutout import Cutout, cut_out
 from lab.films.film import FilmInstant, HandTruth, TrackingFilm
 from lab.films.picture.light import linear, srgb
 from lab.films.picture.rendering import FilmLayer, Picture, lay
-from lab.films.surroundings import FilmSetting, Surroundings
 from lab.films.scenes import RECORDINGS, Instant, recorded
-from common.errors import CalibrationError
-from common.geometry import Array
+from lab.films.surroundings import FilmSetting, Surroundings
 from local_site.calibration.physical_camera import PhysicalCamera, decomposed
 from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.calibration.triangulation import project, triangulate_many

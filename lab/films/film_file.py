@@ -9,10 +9,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from lab.films.film import FilmInstant, HandTruth, TrackingFilm
 from common.cameras.sources import open_camera
 from common.errors import CameraError
 from farhand.tracking.recorded_pairs import RecordedPairs
+from lab.films.film import FilmInstant, HandTruth, TrackingFilm
 from local_site.calibration.rig_file import load_rig, save_rig
 from local_site.simulation.body import ArmTruth
 from local_site.tracking.tracker import Views

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from common.geometry import Array
 from lab.films.arm.arm_mesh import MESH, Body, load_arm_mesh
 from lab.films.arm.motions import ArmMotion, FilmMotion
 from lab.films.arm.person import FilmedPerson, PersonInMotion
@@ -14,7 +15,6 @@ from lab.films.film import FilmInstant, TrackingFilm
 from lab.films.picture.rendering import FilmLayer, Picture, lay
 from lab.films.picture.rigs import RigName, Size, film_cameras, film_rig
 from lab.films.surroundings import FilmSetting, Surroundings
-from common.geometry import Array
 from local_site.calibration.physical_camera import PhysicalCamera
 from local_site.simulation.motion import minimum_jerk
 

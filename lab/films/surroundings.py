@@ -5,6 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from common.cameras.camera import Frame
+from common.clock import NS_PER_S
+from common.geometry import Array
 from lab.films.arm.arm_mesh import MESH, load_arm_mesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.person import ColouredSurface, FilmedPerson
@@ -15,9 +18,6 @@ from lab.films.picture.rigs import Size
 from lab.films.picture.sensor import Sensor
 from lab.films.room.backdrop import SeenRoom
 from lab.films.room.rooms import RoomName, furnished
-from common.cameras.camera import Frame
-from common.clock import NS_PER_S
-from common.geometry import Array
 from local_site.calibration.physical_camera import PhysicalCamera
 from local_site.tracking.tracker import View, Views
 

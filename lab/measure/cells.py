@@ -10,14 +10,14 @@ from functools import partial
 
 import numpy as np
 
-from lab.stage.processes import cpu_s, memory_mb
-from lab.measure.video.link import live_frame
 from common.clock import NS_PER_MS
 from common.link.channels import CAMERA, HAND, ChannelSession
 from common.link.transport import open_link
 from common.messages.hand import HandArm, TrackingStatus
 from common.messages.video import Codec, VideoFrame
 from farhand.loopback.site_process import free_ports
+from lab.measure.video.link import live_frame
+from lab.stage.processes import cpu_s, memory_mb
 from remote_site.video.streaming.encoding import Encoded
 
 COUNTS = (1, 2, 4, 8, 16)

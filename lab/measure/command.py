@@ -35,7 +35,6 @@ from rich.table import Table
 from lab.measure import cells, fuzz, load, rendering
 from lab.measure.control import tick as control
 from lab.measure.endurance import run as endurance
-from lab.mutants import run as mutants
 from lab.measure.page import run as page
 from lab.measure.recording import run as recording
 from lab.measure.soak import run as soak
@@ -44,6 +43,7 @@ from lab.measure.tracking import monocular
 from lab.measure.video import views as video
 from lab.measure.wan import run as wan
 from lab.measure.wan.links import FULL, LINKS
+from lab.mutants import run as mutants
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "cells": cells.measure,
@@ -87,4 +87,3 @@ def main(names: list[str]) -> None:
             Console().print(table)
     RESULTS.parent.mkdir(exist_ok=True)
     RESULTS.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
-

@@ -1,8 +1,9 @@
 """The cameras that see the operator: a source for each camera of the rig, one of them alone, or simulated ones."""
 
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated
@@ -10,9 +11,9 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from common.cameras.camera import Camera
+from common.cameras.camera import Camera, Frame
 from common.cameras.settings import AS_IT_IS, DEFAULT_LATENCY_MS, CameraSettings
-from common.cameras.sources import Source, open_camera, recorded_fps
+from common.cameras.sources import Source, damage_of, open_camera, recorded_fps
 from common.clock import Clock
 from common.errors import CameraError, ConfigError
 from local_site.acquisition.same_source import refuse_same
@@ -23,12 +24,6 @@ from local_site.simulation.cameras import calibrate_simulated
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.operator import Operator, make_operator
 from local_site.tracking.choice import TrackingConfig
-import threading
-from dataclasses import replace
-from common.cameras.camera import Camera, Frame
-from common.cameras.sources import damage_of
-from common.clock import Clock
-from common.errors import CameraError
 
 SIMULATED = "simulated"
 
@@ -160,7 +155,9 @@ def open_operator(
     return OperatorRig(rig, tracking, paced, lambda _t_ns: None)
 
 
-def film(simulation: SimulationConfig, tracking: TrackingConfig, operator: Operator, beginning: Beginning) -> OperatorRig:
+def film(
+    simulation: SimulationConfig, tracking: TrackingConfig, operator: Operator, beginning: Beginning
+) -> OperatorRig:
     """Simulated cameras before an operator who begins to move at `beginning`."""
     simulated = SimulatedCameras(simulation, operator, beginning)
     rig = simulated.rig if simulation.textured else calibrate_simulated(simulation)

@@ -16,8 +16,8 @@ import numpy as np
 
 from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_MS, NS_PER_S, Clock
-from common.host_clock import MonotonicClock
 from common.errors import CameraError
+from common.host_clock import MonotonicClock
 from common.process.children import die_with_parent, leave_stops_to_parent, show_as
 from common.process.service import ask_for_real_time
 from local_site.calibration.rig import Rig

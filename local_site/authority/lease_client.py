@@ -13,10 +13,10 @@ import structlog
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate
 from common.errors import ProcessError, RefusedError, TransportError
 from common.link.aside import Aside
-from common.link.channels import DESCRIBE, LEASE, OPERATE
+from common.link.channels import DESCRIBE, LEASE, OPERATE, TROUBLE
 from common.link.remote_clock import RemoteClock
 from common.link.request_client import RequestClient
-from common.link.transport import Link
+from common.link.transport import Link, open_link
 from common.messages.hand import ClockSync
 from common.messages.requests import (
     SILENT,
@@ -28,15 +28,11 @@ from common.messages.requests import (
     OperatorAction,
     OperatorRequest,
     Reply,
+    TroubleReport,
 )
 from common.messages.robot import Asker, site_words
 from common.process.log import RefusalLog
 from local_site.authority.lease_policy import KEEP_ASKING_NS, LeasePolicy
-import time
-from common.errors import TransportError
-from common.link.channels import TROUBLE
-from common.link.transport import Link, open_link
-from common.messages.requests import TroubleReport
 
 POLL_S = 0.02
 CLOCK_EVERY_NS = 200 * NS_PER_MS

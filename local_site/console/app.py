@@ -3,20 +3,36 @@
 import asyncio
 import secrets
 import socket
+import threading
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 
 import structlog
 import uvicorn
 from msgspec.structs import replace
 
 from common.errors import FarhandError, ProcessError
-from common.link.channels import HAND, INTENT, KEY_FRAMES, RECORDING, SHOWN, STATE, ChannelSession
+from common.link.channels import HAND, INTENT, JOINTS, KEY_FRAMES, OPERATE, RECORDING, SHOWN, STATE, ChannelSession
 from common.link.credentials import check_links
+from common.link.engagement_client import ask_engagement
+from common.link.record_client import RecordClient
+from common.link.request_client import RequestClient, answered
 from common.link.transport import Link, open_link
 from common.messages.base import SESSION_BITS
-from common.messages.requests import Description
+from common.messages.recording import EpisodeOutcome
+from common.messages.requests import (
+    Description,
+    EngagementAction,
+    JointsRequest,
+    OperatorAction,
+    OperatorRequest,
+    PicturePoint,
+    RecordAction,
+    Reply,
+)
+from common.messages.robot import Asker
 from common.messages.video import ViewsShown
 from common.process.log import LogFormat, log_end, start_log
 from common.process.processor_wait import ProcessorWait, QueuedTime
@@ -32,25 +48,6 @@ from local_site.console.model.latency import Latencies
 from local_site.console.model.seat import Seat
 from local_site.console.pictures import Pictures
 from local_site.console.server import bind, make_server
-import threading
-from functools import partial
-from common.link.channels import JOINTS, OPERATE
-from common.link.engagement_client import ask_engagement
-from common.link.record_client import RecordClient
-from common.link.request_client import RequestClient, answered
-from common.link.transport import Link
-from common.messages.recording import EpisodeOutcome
-from common.messages.requests import (
-    EngagementAction,
-    JointsRequest,
-    OperatorAction,
-    OperatorRequest,
-    PicturePoint,
-    RecordAction,
-    Reply,
-)
-from common.messages.robot import Asker
-from local_site.console.cell_watch import CellWatch
 
 SITUATION_S = 0.06
 INTENT_S = 0.02

@@ -15,6 +15,7 @@ from starlette.responses import FileResponse
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketDisconnected
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from common.errors import ConfigError, MessageError, TransportError
 from common.link.port_holders import why_not_bound
@@ -24,7 +25,6 @@ from local_site.console.gate import Gate
 from local_site.console.hub import Hub
 from local_site.console.model.seat import Visitor
 from local_site.console.page import Page
-from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 STATIC = Path(__file__).parent / "static"
 MAX_MESSAGE_BYTES = 16384

@@ -1,19 +1,15 @@
 """Chooses the part of each of the operator's views that is sent: where the tracker found the arm."""
 
-from dataclasses import fields
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
+import cv2
 import numpy as np
 
+from common.cameras.camera import Image
 from common.geometry import Array
 from common.messages.hand import FOUND
 from local_site.preview.arm_window import WHOLE, ArmWindow, PictureBox
-from local_site.tracking.tracker import ArmEstimate, Overlay
-from dataclasses import dataclass, fields, replace
-from typing import Any
-import cv2
-import numpy as np
-from common.cameras.camera import Image
-from common.geometry import Array
 from local_site.tracking.tracker import ArmEstimate, Overlay
 
 PART_WIDTH = 2 / 3  # of the whole picture as it is sent: as wide a part may be sent, where the camera has the pixels

@@ -1,11 +1,11 @@
 """How far a run has come on its path: in steps or through, back too, standing where the gripper acts; pure."""
 
+import math
 from enum import StrEnum
 
 from common.geometry import Array
 from common.messages.robot import GripperCommand, GripperState, GripperStatus
 from local_site.programmed.tool_trajectory import GripperAction, ToolTrajectory
-import math
 
 DONE = {
     GripperCommand.OPEN: (GripperStatus.OPEN,),

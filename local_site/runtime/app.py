@@ -9,8 +9,8 @@ import cv2
 import structlog
 
 from common.cameras.lost_pictures import LostPictures
-from common.host_clock import MonotonicClock
 from common.errors import FarhandError
+from common.host_clock import MonotonicClock
 from common.link.channels import HAND, PREVIEW, STATE
 from common.link.credentials import check_links
 from common.link.endpoints import check_free

@@ -1,16 +1,17 @@
 """The local site's loop: views from the cameras, the arm tracked in them, hand samples sent."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import structlog
 
 from common.cameras.images import write_image
-from common.clock import Clock
+from common.clock import NS_PER_MS, Clock
 from common.errors import CameraError, MessageError
 from common.link.channels import HAND, INTENT, JOINTS
 from common.link.transport import Link
-from common.messages.hand import TrackingStatus
+from common.messages.hand import FOUND, TrackingStatus
 from common.process.log import RefusalLog, log_summary
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.rig_cameras import OperatorRig
@@ -29,10 +30,6 @@ from local_site.tracking.choice import make_tracker, profile_of
 from local_site.tracking.drift import DriftWatch
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import ArmEstimate, Views
-from dataclasses import dataclass
-from common.clock import NS_PER_MS
-from common.messages.hand import FOUND, TrackingStatus
-
 
 
 @dataclass(slots=True)

@@ -8,8 +8,8 @@ from functools import partial
 import structlog
 
 from common.clock import NS_PER_S, Clock
-from common.host_clock import MonotonicClock
 from common.errors import FarhandError, RefusedError, TransportError
+from common.host_clock import MonotonicClock
 from common.link.channels import DESCRIBE, PREVIEW, STATE
 from common.link.config import LinkSecurity
 from common.link.credentials import check_links

@@ -26,9 +26,9 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     learned: LearnedConfig = field(default_factory=LearnedConfig)
     markers: MarkersConfig = field(default_factory=MarkersConfig)
     monocular: MonocularConfig = field(default_factory=MonocularConfig)
-    options: Annotated[
-        dict[str, Option], Meta(description="the options of an installed tracker, by its own keys")
-    ] = field(default_factory=dict)
+    options: Annotated[dict[str, Option], Meta(description="the options of an installed tracker, by its own keys")] = (
+        field(default_factory=dict)
+    )
     profile_dir: Annotated[
         str, Meta(description="folder with what is learned of each operator's body, by name; empty: nothing is kept")
     ] = ""

@@ -15,10 +15,6 @@ from remote_site.assist.leading import left_over, step_towards
 from remote_site.assist.sighting import MarkerSighting
 from remote_site.assist.standing_marker import StandingMarker
 from remote_site.reasons import Code, Reason, reason
-import math
-from common.clock import NS_PER_MS
-from common.clock import NS_PER_MS
-from common.messages.hand import Intent
 
 REACH_RAD = math.radians(20.0)
 OWN_MOTION_M = 0.015

@@ -1,6 +1,7 @@
 """A joint target that waits on its path for joints that cannot follow: all are slowed together; pure."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -14,10 +15,6 @@ from remote_site.motion.catch_up import BOUNDS
 from remote_site.motion.joint_path import COUNTED, PLANNED, JointPath, Knot, on_the_curve, part_of
 from remote_site.motion.target_predictor import JointBounds
 from remote_site.motion.tool_shift import NOTHING, WRIST_ROLLS, ToolShift, fastest_alone
-import math
-from collections.abc import Callable
-import numpy as np
-from remote_site.kinematics.joints import JointMotion
 
 STOPPING = 0.85  # of the joints' accelerations: to stop with when the hand does
 HARDEST = 0.7  # the same, to brake on the path for what was not foreseen

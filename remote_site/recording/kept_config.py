@@ -5,10 +5,10 @@ from typing import Any
 import msgspec
 
 from common.config.loading import ConfigMistake, build
+from common.config.replaced_keys import GONE_KEYS
 from common.errors import RecordingError
 from common.process.config import MetricsConfig
 from common.recording.config import RecordConfig
-from common.config.replaced_keys import GONE_KEYS
 from remote_site.config import RemoteConfig
 from remote_site.link_config import RemoteLinksConfig
 from remote_site.simulation.config import SIMULATED

@@ -2,15 +2,18 @@
 
 from functools import cache
 from importlib.metadata import version
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
 import structlog
+from scipy.linalg import rq
 
 from common.errors import MessageError
-from common.geometry import transform
+from common.geometry import Array, transform
 from common.messages.base import PROTOCOL_VERSION
 from common.messages.hand import HandArm
+from common.messages.requests import ViewCalibration
 from common.recording import foxglove
 from common.recording.hand_transcript import OPERATOR_FRAME, HandTranscript, add_log
 from common.recording.session import RecordingSession
@@ -24,11 +27,6 @@ from remote_site.recording.message_budget import KEPT_BYTES_PER_S
 from remote_site.recording.records import FullPicture, LeftOut, PassedMessage, RecordedTick
 from remote_site.teleop.cycle import CycleInput
 from remote_site.video.calibration import calibration_of, size_of
-from typing import NamedTuple
-import numpy as np
-from scipy.linalg import rq
-from common.geometry import Array, transform
-from common.messages.requests import ViewCalibration
 
 CELL_TABLE = "farhand.cell"
 CONFIG_FILE, URDF_FILE = "remote.json", "robot.urdf"

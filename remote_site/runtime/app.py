@@ -7,9 +7,9 @@ from functools import partial
 import msgspec
 import structlog
 
-from common.host_clock import MonotonicClock
 from common.errors import FarhandError, ProcessError
 from common.geometry import Array
+from common.host_clock import MonotonicClock, host_time
 from common.link.channels import CAMERA, KEY_FRAMES, SHOWN, STATE, ChannelSession
 from common.link.config import NAME_OPERATORS
 from common.link.credentials import CertificateValidity, check_links, check_viewers
@@ -25,7 +25,6 @@ from common.process.log import LogFormat, log_end, log_summary, start_log
 from common.process.service import StopFlag, notify
 from common.process.viewers import run_viewers
 from common.steady_time import OwnReadings
-from common.host_clock import host_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.memory import DriverMemory
 from remote_site.kinematics.limits import load_arm
@@ -56,7 +55,7 @@ CHECKS_PER_VALIDITY = 10
 def run_remote(config: RemoteConfig, should_stop: StopFlag, log_format: LogFormat = LogFormat.TEXT) -> None:
     """Run the remote site until asked to stop; ProcessError when one of its processes dies or hangs.
 
-    Nothing engages before all processes have started. Only an orderly end removes the marker of an unfinished run.    """
+    Nothing engages before all processes have started. Only an orderly end removes the marker of an unfinished run."""
     start_log("remote", log_format)
     log = structlog.get_logger()
     _check_start(config)
@@ -140,9 +139,7 @@ def _watch(children: Children, validity: CertificateValidity, should_stop: StopF
         notify("WATCHDOG=1")
 
 
-def run_cell_child(
-    config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat
-) -> None:
+def run_cell_child(config: RemoteConfig, memory: CellMemory, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
     """The process of the simulated cell."""
     from remote_site.simulation.process import SimulatedCell, run_cell  # noqa: PLC0415  # a real cell needs no MuJoCo
 

@@ -7,8 +7,8 @@ from functools import partial
 
 import msgspec
 
-from common.host_clock import MonotonicClock
 from common.errors import InterruptionError
+from common.host_clock import MonotonicClock
 from common.process.children import READY_TIMEOUT_S, Children, Heartbeat
 from common.process.log import start_log
 from common.process.service import StopFlag, ask_for_real_time

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from common.clock import NS_PER_S
-from common.host_clock import MonotonicClock
 from common.errors import DriverError, MessageError
+from common.host_clock import MonotonicClock, host_time
 from common.link.channels import ENGAGEMENT, HAND, MAINTENANCE, MAINTENANCE_STOP, STATE, STOP, ChannelSession
 from common.link.endpoints import stays_here
 from common.link.pubsub import Latest
@@ -22,7 +22,6 @@ from common.process.children import Heartbeat
 from common.process.log import RefusalLog, log_summary
 from common.process.service import StopFlag, ask_for_real_time
 from common.steady_time import HostTime
-from common.host_clock import host_time
 from remote_site.config import RemoteConfig
 from remote_site.drivers.faults import FaultCode
 from remote_site.drivers.link import DriverLink, RobotReport

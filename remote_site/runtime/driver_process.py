@@ -6,8 +6,8 @@ import math
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, Clock
-from common.host_clock import MonotonicClock
 from common.errors import DriverError
+from common.host_clock import MonotonicClock
 from common.process.children import Heartbeat
 from common.process.service import StopFlag, ask_for_real_time
 from remote_site.config import RemoteConfig

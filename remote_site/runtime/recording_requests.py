@@ -15,6 +15,13 @@ from remote_site.recording.records import RecordOrder
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.session.lease import Lease, LeaseServer
 
+REFUSALS = {
+    RecorderRefusal.NO_RECORDER: reason(Code.NO_RECORDER),
+    RecorderRefusal.RECORD_FIXED: reason(Code.RECORD_FIXED),
+    RecorderRefusal.NOT_RECORDING: reason(Code.NOT_RECORDING),
+    RecorderRefusal.TOO_MANY_EPISODES: reason(Code.TOO_MANY_EPISODES, most=MOST_EPISODES),
+}
+
 
 class RecordingRequests:
     """Polled by the control loop after each command is written; the recorder's next state shows what came of it."""
@@ -67,6 +74,4 @@ def refusal_of(
     if lease.holder.name != operator:
         return reason(Code.NOT_HOLDER, holder=lease.holder)
     refusal = recorder_refusal(action, recorder)
-    if refusal is RecorderRefusal.TOO_MANY_EPISODES:
-        return reason(Code.TOO_MANY_EPISODES, most=MOST_EPISODES)
-    return reason(Code(refusal.value)) if refusal is not None else None
+    return REFUSALS[refusal] if refusal is not None else None

@@ -8,7 +8,8 @@ import msgspec
 
 from common.clock import Clock
 from common.errors import MessageError, ModelError
-from common.link.channels import CLOCK, DESCRIBE, LEASE, OWN_CLOCK, OWN_DESCRIBE
+from common.host_clock import host_time
+from common.link.channels import CLOCK, DESCRIBE, LEASE, OWN_CLOCK, OWN_DESCRIBE, TROUBLE
 from common.link.transport import Link
 from common.messages.hand import Locks
 from common.messages.requests import (
@@ -21,10 +22,11 @@ from common.messages.requests import (
     LeaseReply,
     LeaseRequest,
     MappingDescription,
+    TroubleNoted,
 )
 from common.messages.robot import Asker, Pose
 from common.messages.shapes import GripperDescription, ShapesDescription
-from common.host_clock import host_time
+from common.process.link_log import TroubleLog
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
@@ -36,12 +38,6 @@ from remote_site.session.engagement_intent import INPUTS
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.calibration import calibration_of, size_of
-from collections.abc import Callable, Sequence
-from common.errors import MessageError
-from common.link.channels import TROUBLE
-from common.link.transport import Link
-from common.messages.requests import TroubleNoted
-from common.process.link_log import TroubleLog
 
 REPORTED_EVENT = "an operator's site reports trouble of the link"
 

@@ -6,16 +6,18 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import mujoco
+import numpy as np
 
 from common.errors import ModelError
-from common.geometry import Array
+from common.geometry import Array, quaternion_from_rotation
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.meshes import check_meshes, place_meshes
 from remote_site.kinematics.model import IMPORT
 from remote_site.simulation.appearance.dressing import dress
 from remote_site.simulation.appearance.surfaces import PaintedSurface
-from remote_site.simulation.config import GRIP, ArmConfig, CellConfig
+from remote_site.simulation.config import BLOCK, GRIP, ArmConfig, CellConfig, MarkerConfig
 from remote_site.simulation.scenery import (
+    PAPER,
     THINGS,
     TOUCHES_ROBOT,
     add_block,
@@ -26,11 +28,6 @@ from remote_site.simulation.scenery import (
     add_target,
     add_view,
 )
-import mujoco
-import numpy as np
-from common.geometry import Array, quaternion_from_rotation
-from remote_site.simulation.config import BLOCK, MarkerConfig
-from remote_site.simulation.scenery import PAPER
 
 MESH_WORDS, INERTIA_WORD = ("decoder", "opening file", "mesh"), "inertia"
 MODULE_PX = 24  # of the texture: the renderer averages it as a camera does

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
-from common.geometry import Array
+from common.geometry import Array, angle_between
 from common.mapping.shown_hand import shown_orientation, shown_position
 from common.messages.hand import ClockSync, HandArm, HandPoint, TrackingStatus
 from remote_site.reasons import Code, Reason, reason
@@ -16,10 +16,6 @@ from remote_site.session.age_limit import AgeLimit
 from remote_site.session.samples import Accepted, Rejected
 from remote_site.teleop.certainty import certainty_of, elbow_is_certain
 from remote_site.teleop.turn_certainty import FREE, turn_speeds
-import math
-from common.clock import NS_PER_MS, NS_PER_S
-from common.geometry import Array, angle_between
-from remote_site.safety.config import SafetyConfig
 
 OFFSET_VALID_NS = 5 * NS_PER_S  # an older measurement of the clocks no longer counts
 

@@ -2,7 +2,7 @@
 
 import math
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array, angle_between
 from common.messages.hand import OperatorSettings
 from common.messages.robot import Engagement, MappingReference, Pose
@@ -17,8 +17,6 @@ from remote_site.teleop.config import MappingConfig
 from remote_site.teleop.followed_orientation import FollowedOrientation
 from remote_site.teleop.hold_offset import MOST_M, MOST_RAD, HoldOffset
 from remote_site.teleop.mapping import make_mapping
-from common.clock import NS_PER_MS
-from remote_site.session.samples import Accepted
 
 LONGEST_STEP_S = 0.1  # between samples
 LED_SPARE = 0.1  # of the catch-up speed: what a led target leaves of it

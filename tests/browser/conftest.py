@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from lab.measure.page.chromium import CHROMIUM, QUIET
 from farhand.loopback.site_process import SiteProcess, free_ports
+from lab.measure.page.chromium import CHROMIUM, QUIET
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told, opened_told
 from tests.integration.sites import (

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 import msgspec
 import numpy as np
 
-from lab.measure.page import scene
 from common.clock import NS_PER_MS
 from common.messages.video import Codec, KeyFrameRequest, VideoFrame
+from lab.measure.page import scene
 from lab.stage.clock_strip import draw_clock
 from remote_site.video.streaming.encoding import PictureEncoder
 from remote_site.video.streaming.setting import StreamSetting

@@ -7,11 +7,11 @@ from itertools import count
 
 from msgspec.structs import replace
 
-from lab.measure.page import scene
 from common.clock import NS_PER_MS
 from common.geometry import Array
 from common.messages.hand import HandArm
 from common.messages.robot import Pose, RobotState
+from lab.measure.page import scene
 from remote_site.teleop.config import MappingConfig
 from tests.local_site.console.followed_remote import Remote, sample
 

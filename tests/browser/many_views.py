@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 from msgspec.structs import replace
 
-from lab.measure.page import scene
 from common.messages.requests import CameraDescription
 from common.messages.video import VideoFrame
+from lab.measure.page import scene
 from local_site.console.hub import Hub
 from remote_site.video.streaming.pictures import encode_jpeg
 from tests.browser.told import Told

@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from lab.measure.page import scene
 from common.messages.robot import GripperCommand, GripperState, GripperStatus, SessionState
+from lab.measure.page import scene
 from local_site.console.hub import Hub
 from tests.browser.told import Told
 

@@ -4,9 +4,9 @@ from functools import partial
 
 import numpy as np
 
-from lab.measure.page import scene
 from common.geometry import transform
 from common.messages.robot import AssistPhase, AssistState, AssistTarget, Pose
+from lab.measure.page import scene
 from tests.browser.told import Told
 
 CHECK = "() => document.querySelector('#assist-row').hidden"

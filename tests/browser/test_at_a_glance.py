@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from common.messages.hand import Locks, OperatorSettings
+from common.messages.robot import Pose, Readiness, SessionState
 from lab.measure.page import scene
 from lab.measure.page.bare_console import BareConsole
 from lab.measure.page.screenshots import STATES, anothers
-from common.messages.hand import Locks, OperatorSettings
-from common.messages.robot import Pose, Readiness, SessionState
 from local_site.console.hub import Hub
 from tests.browser.late_remote import LateRemote
 from tests.browser.opened_page import OpenedPage

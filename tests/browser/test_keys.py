@@ -7,10 +7,10 @@ from functools import partial
 import pytest
 from msgspec.structs import replace
 
-from lab.measure.page import scene
-from lab.measure.page.screenshots import STATES
 from common.messages.requests import EngagementAction
 from common.messages.robot import Readiness, SessionState
+from lab.measure.page import scene
+from lab.measure.page.screenshots import STATES
 from local_site.console.hub import Hub
 from tests.browser.opened_page import READING_MS, OpenedPage
 from tests.browser.told import Told, opened_told

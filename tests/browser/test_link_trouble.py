@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from lab.measure.page import scene
 from common.clock import NS_PER_S
 from common.messages.robot import NO_PAGE, HandLink, Readiness, SessionState, VideoLink, VideoTrouble
+from lab.measure.page import scene
 from tests.browser.told import Told
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]

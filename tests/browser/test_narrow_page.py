@@ -9,9 +9,9 @@ import msgspec
 import pytest
 
 import tests.common.messages.golden_examples as golden
-from lab.measure.page import scene
 from common.messages.robot import SessionState
 from common.messages.video import CameraStatus
+from lab.measure.page import scene
 from tests.browser.opened_page import OpenedPage
 from tests.browser.replayed import jump, served
 from tests.browser.told import SHOTS, Told, opened_told

@@ -4,10 +4,10 @@ import time
 from collections.abc import Callable
 from functools import partial
 
-from lab.measure.page import scene
-from lab.measure.page.bare_console import BareConsole
 from common.messages.hand import Locks, OperatorSettings
 from common.messages.robot import LeaseState, RobotState, SessionState
+from lab.measure.page import scene
+from lab.measure.page.bare_console import BareConsole
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told
 

@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 import pytest
 
-from lab.measure.page import scene
-from lab.measure.page.screenshots import STATES
 from common.geometry import Array
 from common.messages.robot import SessionState
+from lab.measure.page import scene
+from lab.measure.page.screenshots import STATES
 from tests.browser.told import Told
 
 TONES = {"engaged": "engaged", "limited": "holding", "ready": "idle", "stopped": "fault", "another operates": "other"}

@@ -4,8 +4,8 @@ from functools import partial
 
 import msgspec
 
-from lab.measure.page import scene
 from common.messages.robot import Pose, SessionState
+from lab.measure.page import scene
 from tests.browser.told import Told, opened_told
 
 COUNT = """() => {

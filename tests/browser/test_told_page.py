@@ -8,9 +8,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from lab.measure.page import scene
-from lab.measure.page.bare_console import OPERATOR, BareConsole
-from lab.measure.page.painted_clock import ages_ms, compare, watch
 from common.clock import NS_PER_MS
 from common.messages.robot import (
     Asker,
@@ -22,8 +19,11 @@ from common.messages.robot import (
     SessionState,
 )
 from common.messages.video import CameraStatus, VideoFrame
-from local_site.console.hub import Hub
+from lab.measure.page import scene
+from lab.measure.page.bare_console import OPERATOR, BareConsole
+from lab.measure.page.painted_clock import ages_ms, compare, watch
 from lab.stage.clock_strip import draw_clock
+from local_site.console.hub import Hub
 from remote_site.video.streaming.pictures import encode_jpeg
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told

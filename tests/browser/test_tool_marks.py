@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from lab.measure.page import scene
-from lab.measure.page.bare_console import BareConsole
 from common.geometry import Array
 from common.messages.robot import SessionState
+from lab.measure.page import scene
+from lab.measure.page.bare_console import BareConsole
 from tests.browser.late_remote import LateRemote
 from tests.browser.opened_page import OpenedPage
 from tests.browser.test_accessibility import CHECK

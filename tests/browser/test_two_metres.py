@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from lab.measure.page.screenshots import STATES
 from common.messages.video import CameraStatus
+from lab.measure.page.screenshots import STATES
 from tests.browser.many_views import boxes
 from tests.browser.told import Told, opened_told
 

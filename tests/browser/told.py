@@ -7,12 +7,12 @@ from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from lab.measure.page import scene
-from lab.measure.page.bare_console import BareConsole
 from common.clock import NS_PER_MS
 from common.messages.hand import HandArm
 from common.messages.robot import RobotState, SessionState, Traced
 from common.messages.video import CameraStatus, VideoFrame
+from lab.measure.page import scene
+from lab.measure.page.bare_console import BareConsole
 from local_site.console.hub import Hub
 from tests.browser.opened_page import PATIENCE_S, OpenedPage
 

@@ -8,9 +8,9 @@ from itertools import pairwise
 import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockEstimate, ClockOffset, OffsetEstimator, RoundTrip
+from common.host_clock import host_time
 from common.messages.hand import ClockSync
 from common.steady_time import HostTime, OwnReadings, SteadyEstimator
-from common.host_clock import host_time
 from remote_site.session.samples import as_of_now
 from tests.remote_site.remote_loop import hand
 

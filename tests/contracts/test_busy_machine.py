@@ -2,7 +2,7 @@
 
 import pytest
 
-from remote_site.drivers.conformance.suite import CHECKS
+from remote_site.drivers.conformance.checks import CHECKS
 from remote_site.drivers.conformance.suite import run_checks, verdicts_of
 from remote_site.drivers.conformance.verdicts import ATTEMPTS, Verdict
 from remote_site.drivers.kinematic import KinematicDriver

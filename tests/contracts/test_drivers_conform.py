@@ -6,7 +6,7 @@ import pytest
 
 from common.clock import FakeClock
 from common.errors import DriverError
-from remote_site.drivers.conformance.suite import CHECKS
+from remote_site.drivers.conformance.checks import CHECKS
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.driver import Capabilities
 from remote_site.drivers.kinematic import KinematicDriver

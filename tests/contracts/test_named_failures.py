@@ -2,7 +2,7 @@
 
 import pytest
 
-from remote_site.drivers.conformance.suite import CHECKS
+from remote_site.drivers.conformance.checks import CHECKS
 from remote_site.drivers.conformance.suite import run_checks
 from tests.contracts.bad_drivers import (
     AnyRobot,

@@ -3,7 +3,7 @@
 import pytest
 
 from common.host_clock import MonotonicClock
-from remote_site.drivers.conformance.suite import CHECKS
+from remote_site.drivers.conformance.checks import CHECKS
 from remote_site.drivers.conformance.machine_pauses import machine_pauses
 from remote_site.drivers.conformance.suite import run_checks, verdicts_of
 from remote_site.drivers.conformance.trial import DriverStand

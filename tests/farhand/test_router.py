@@ -37,10 +37,10 @@ from tests.common.link.secured_cell import (
     free_port,
     reply_to,
     secured,
-    until,
 )
 from tests.common.link.watched_cell import watched
 from tests.integration.sites import child_of
+from tests.waiting import until
 
 PROJECT = Path(__file__).parents[2]
 

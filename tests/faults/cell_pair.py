@@ -12,10 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from lab.stage.network.command_socket import send
-from lab.stage.network.namespaces import LinkedHosts
-from lab.stage.processes import module_command
-from lab.stage.stand_ins.hand_path import ScriptedPath
 from common.clock import NS_PER_S
 from common.config.loading import load_config
 from common.geometry import Array, vector_from_rotation
@@ -27,6 +23,10 @@ from common.messages.requests import EngagementAction, Reply
 from common.messages.robot import RobotState, SessionState
 from farhand.loopback.recorder import Recorder
 from farhand.loopback.site_process import SiteProcess, free_ports
+from lab.stage.network.command_socket import send
+from lab.stage.network.namespaces import LinkedHosts
+from lab.stage.processes import module_command
+from lab.stage.stand_ins.hand_path import ScriptedPath
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel

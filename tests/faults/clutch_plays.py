@@ -3,10 +3,10 @@
 import os
 import signal
 
-from lab.stage.network.command_socket import send
 from common.messages.hand import ClutchKey
 from common.messages.requests import EngagementAction
 from farhand.loopback.site_process import SiteProcess
+from lab.stage.network.command_socket import send
 from tests.faults.trial import Trial
 
 STOP_S = 0.25  # a beat, an intent and a sample after the press the arm begins to stop

@@ -4,11 +4,11 @@ import os
 import signal
 import time
 
-from lab.stage.network.command_socket import send
 from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.messages.requests import EngagementAction
 from common.messages.robot import STOPPED, SessionState
+from lab.stage.network.command_socket import send
 from tests.faults.acts import hand
 from tests.faults.cell_pair import CellPair
 from tests.faults.pair_setup import CELL

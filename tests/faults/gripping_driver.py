@@ -5,8 +5,8 @@ import time
 from dataclasses import replace
 from typing import Any
 
-from common.host_clock import MonotonicClock
 from common.geometry import Array
+from common.host_clock import MonotonicClock
 from remote_site.drivers.driver import Capabilities, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.franka.arm_memory import GripperMemory
 from remote_site.drivers.franka.gripper_loop import GripperLoop, run_gripper_loop

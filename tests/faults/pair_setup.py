@@ -8,11 +8,11 @@ from pathlib import Path
 
 import msgspec
 
-from lab.stage.processes import ROOT
 from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
 from common.link.endpoints import SECURED
 from farhand.certificates.folder import CertificateOrder, create
 from farhand.loopback.site_process import free_ports
+from lab.stage.processes import ROOT
 
 A465 = "driver.name=c500c"
 CELL, OPERATOR, OTHERS = "faults", "anna", ("ben", "carl")

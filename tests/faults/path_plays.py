@@ -4,11 +4,11 @@ import time
 
 import numpy as np
 
-from lab.stage.network.command_socket import send
 from common.clock import NS_PER_S
 from common.geometry import vector_from_rotation
 from farhand.teach.task_file import TaskFile, TaskOrigin, WayPoint
 from farhand.teach.writing import as_toml
+from lab.stage.network.command_socket import send
 from tests.faults.cell_pair import MOVING_RAD_S, CellPair
 from tests.faults.plays import Play
 from tests.faults.process_plays import press_until_engaged

@@ -13,13 +13,13 @@ import time
 from datetime import UTC, datetime
 from pathlib import Path
 
-from lab.stage.network.namespaces import LinkedHosts
 from common.host_clock import MonotonicClock
 from common.link.channels import STATE
 from common.link.config import LinkSecurity, TlsConfig
 from common.link.transport import open_link
 from common.messages.robot import SessionState
 from farhand.certificates.folder import CertificateOrder, create
+from lab.stage.network.namespaces import LinkedHosts
 from remote_site.runtime.probe_server import ProbeServer
 from tests.common.messages.golden_examples import STATE as SOME_STATE
 

@@ -6,8 +6,8 @@ import time
 
 import numpy as np
 
-from lab.stage.network.command_socket import send
 from common.messages.robot import SessionState
+from lab.stage.network.command_socket import send
 from tests.faults.cell_pair import CellPair
 from tests.faults.driver_log import ROUNDING
 from tests.faults.plays import Play

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from lab.stage.network.command_socket import CommandSocket
 from common.clock import NS_PER_MS
 from common.errors import DriverError
 from common.geometry import Array
+from lab.stage.network.command_socket import CommandSocket
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver

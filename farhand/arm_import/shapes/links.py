@@ -9,14 +9,10 @@ import numpy as np
 from common.errors import ModelError
 from common.geometry import Array
 from farhand.arm_import.description.elements import Inertial, Shape, UrdfLink, UrdfMesh
+from farhand.arm_import.shapes.capsule import Capsule
 from farhand.arm_import.shapes.capsules_of import capsule_of, outermost, shape_of
 from farhand.arm_import.shapes.covering import covering
 from farhand.arm_import.shapes.meshes import read_triangles, shown
-from collections.abc import Sequence
-import numpy as np
-from common.geometry import Array
-from farhand.arm_import.description.elements import Inertial
-from farhand.arm_import.shapes.capsule import Capsule
 
 FindFile = Callable[[str], Path]
 NOWHERE: Array = np.zeros((0, 3))

@@ -5,9 +5,9 @@ import time
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
 
-from common.clock import NS_PER_S, Clock
-from common.host_clock import MonotonicClock
+from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import TransportError
+from common.host_clock import MonotonicClock
 from common.link.channel_feeds import ChannelFeeds
 from common.link.channels import ECHO, LOAD, LOAD_ECHO, PROBE, STATE
 from common.link.config import LinkSecurity
@@ -17,7 +17,6 @@ from common.messages.base import SESSION_BITS
 from common.messages.probe import MOST_PADDING, Probe, ProbeEcho
 from common.messages.robot import FOLLOWING, RobotState
 from farhand.doctor.link.figures import Echoed, LinkFigures, link_figures, round_trips_ms
-from common.clock import NS_PER_MS, NS_PER_S
 
 HAND_BYTES = 600  # of a hand sample
 FIRST_ECHO_S, ASK_EVERY_S = 5.0, 0.1

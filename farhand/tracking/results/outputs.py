@@ -1,29 +1,22 @@
 """Where a track goes: checked before any work, and opened as results that take its pairs."""
 
-from collections.abc import Sequence
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
+
+from common.cameras.images import write_image
 from common.errors import ConfigError
-from farhand.outputs import check_file, check_folder, refuse_shared
+from farhand.outputs import check_file, check_folder, refuse_shared, written_at_end
 from farhand.reports.plotting import require_matplotlib
 from farhand.tracking.results.report.origin import Rows
 from farhand.tracking.results.report.track_report import PAGE, track_report
-from farhand.tracking.results.tracked_pair import Result
+from farhand.tracking.results.tracked_pair import Result, Take, TrackedPair
 from farhand.tracking.results.video import SUFFIX, check_video, overlay_video
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
-from common.cameras.images import write_image
-from farhand.tracking.results.tracked_pair import Take
-import csv
-import io
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
-import msgspec
-from farhand.outputs import written_at_end
-from farhand.tracking.results.tracked_pair import Take, TrackedPair
 from farhand.tracking.track_line import ALL_POINTS, POINTS
 
 COLUMNS = (

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from farhand.reports.plotting import describe_panel, panels, png
 from lab.experiments.placing.network import Network
 from lab.experiments.placing.trial import TrialResult
-from farhand.reports.plotting import describe_panel, panels, png
 
 COLOURS = {"silhouette": "#d72828", "markers": "#2864b4", "learned": "#287828", "assist": "#c88214"}
 ERRORS = {"x_mm": "x, mm", "y_mm": "y, mm", "angle_deg": "angle, deg"}

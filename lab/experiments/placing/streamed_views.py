@@ -11,9 +11,9 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from common.messages.requests import Description
 from common.messages.video import VideoFrame, ViewsShown
+from farhand.loopback.picture_decoder import PictureDecoder
 from lab.experiments.placing.network import Messages, Network, Stream
 from lab.experiments.stepped.site import LEASE, SESSION
-from farhand.loopback.picture_decoder import PictureDecoder
 from lab.visual_operator.shown import ShownView
 from local_site.console.model.page_messages import Painted
 from local_site.console.model.page_messages import Shown as PageShown

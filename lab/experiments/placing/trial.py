@@ -1,12 +1,15 @@
 """One trial: the scripted visual operator places the block, in lockstep with simulated time."""
 
 import dataclasses
+from collections import deque
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from msgspec.structs import replace
 
 from common.clock import NS_PER_MS, NS_PER_S
+from common.geometry import Array, transform
 from common.messages.hand import HandArm, Locks
 from common.messages.robot import GripperStatus, SessionState
 from lab.experiments.placing.alterations import FingerErrors, Part, at_thesis_rate, thesis_local
@@ -19,8 +22,8 @@ from lab.experiments.stepped.robots import SteppedCell
 from lab.experiments.stepped.site import OPERATOR, Every, SteppedSite
 from lab.visual_operator.hand import Motor, ScriptedHand
 from lab.visual_operator.operator import VisualOperator
-from lab.visual_operator.shown import ShownPage
-from lab.visual_operator.sight.sight import Sight
+from lab.visual_operator.shown import ShownPage, ShownView
+from lab.visual_operator.sight.sight import Scene, Sight
 from lab.visual_operator.task import PlacingTask
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.simulation.room.config import RoomConfig
@@ -28,16 +31,6 @@ from local_site.tracking.choice import TrackingConfig
 from remote_site.config import RemoteConfig
 from remote_site.session.config import EngagementMode
 from remote_site.session.samples import NamedSample
-from collections import deque
-from collections.abc import Mapping
-import numpy as np
-from common.clock import NS_PER_S
-from common.geometry import Array, transform
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import Every, SteppedSite
-from lab.visual_operator.shown import ShownPage, ShownView
-from lab.visual_operator.sight.sight import Scene
-from remote_site.config import RemoteConfig
 from remote_site.simulation.config import BLOCK
 
 TRACKING_NS, LINK_NS = 20 * NS_PER_MS, 5 * NS_PER_MS  # from an exposure to the sample sent; on its way

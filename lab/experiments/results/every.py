@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from common.errors import ConfigError
+from farhand.outputs import check_folder, make_folder, write_result
 from lab.experiments.report import ExperimentReport, write_report
 from lab.experiments.results.results_page import as_html, as_markdown
-from farhand.outputs import check_folder, make_folder, write_result
 
 DONE = "done.json"  # which experiments of the folder are finished, and whether they were quick
 

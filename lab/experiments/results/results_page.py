@@ -1,16 +1,14 @@
 """The page of results, as Markdown and as HTML: what the sources print and draw beside ours, with the ratio."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from farhand.reports.page import heading, page, paragraph, table
 from lab.experiments.placing.over_network import NETWORKS
 from lab.experiments.placing.series import FREE, ROLL_FIXED
 from lab.experiments.results import why
 from lab.experiments.results.printed import Printed, of_report, of_thesis
-from farhand.reports.page import heading, page, paragraph, table
-from collections.abc import Iterator
-from dataclasses import dataclass
 from lab.experiments.thesis.marker_figures import FIRST_FIGURE, POINTS
 
 Reports = Mapping[str, Mapping[str, Any]]  # report.json of each experiment that was run, by its name

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from common.config.loading import load_config
+from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
 from lab.experiments.report import CsvTable, ExperimentReport, Figures, Progress
 from lab.experiments.robonaut.commanded import (
     CommandedHumanoid,
@@ -15,7 +16,6 @@ from lab.experiments.robonaut.figures.frames import frames_shown, overlays_plate
 from lab.experiments.robonaut.figures.humanoid_views import HumanoidViews
 from lab.experiments.robonaut.figures.plots import motion_plot
 from lab.experiments.robonaut.footage import Footage, Shot, Tracked, render_footage, track_footage
-from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
 from lab.experiments.robonaut.grasping.grasping_film import grasping_film
 from lab.experiments.robonaut.grasping.handling import GRASPING, HANDLING_FRAMES, MOVING, Handling
 from local_site.simulation.textured_arm import Scenery

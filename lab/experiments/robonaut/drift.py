@@ -7,11 +7,11 @@ import numpy as np
 from common.config.loading import load_config
 from common.geometry import Array, transform
 from common.messages.hand import TrackingStatus
+from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
+from farhand.reports.plotting import describe_panel, panels, png
 from lab.experiments.following import follow_estimates
 from lab.experiments.report import CsvTable, ExperimentReport, Figures, Progress, rounded
 from lab.experiments.robonaut.footage import bare, frame_ns, render_footage, track_footage
-from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
-from farhand.reports.plotting import describe_panel, panels, png
 from local_site.simulation.hazel import HAZEL_S_FRAMES, Swing, TrueArm, hazel_film, true_points
 from local_site.tracking.config import MonocularConfig
 from local_site.tracking.tracker import ArmEstimate

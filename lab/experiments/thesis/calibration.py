@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
+from farhand.reports.plotting import describe_panel, panels, png
 from lab.experiments.report import CsvTable, ExperimentReport, Figures, Progress, rounded
 from lab.experiments.thesis.calibration_rigs import (
     PlateScene,
@@ -18,7 +19,6 @@ from lab.experiments.thesis.calibration_rigs import (
     rig_points,
 )
 from lab.experiments.thesis.tables import COLUMNS, MM, ratios, with_total
-from farhand.reports.plotting import describe_panel, panels, png
 from local_site.calibration.solve import solve_rig
 from local_site.simulation.cameras import PLATE_HEIGHTS_M
 

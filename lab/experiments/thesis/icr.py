@@ -6,15 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
+from farhand.reports.plotting import describe_panel, panels, png
 from lab.experiments.report import CsvTable, ExperimentReport, Figures, Progress
 from lab.experiments.thesis.filmed import film_recorded
 from lab.experiments.thesis.paths import Recorded, elbow_arc, wrist_arc
 from lab.experiments.thesis.tables import MM, error_table, printed_table, with_total
-from farhand.reports.plotting import describe_panel, panels, png
 from local_site.simulation.config import SimulationConfig
-from dataclasses import dataclass
-import numpy as np
-from common.geometry import Array
 
 WINDOW, SETS, FRAMES, QUICK_FRAMES = 10, 65, 75, 20
 SIMULATION = SimulationConfig()

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
+from farhand.reports.plotting import describe_panel, panels, png, widen
 from lab.experiments.report import Figures, rounded
 from lab.experiments.thesis.tables import error_table, printed_table
-from farhand.reports.plotting import describe_panel, panels, png, widen
 
 POINTS = ("wrist", "index", "thumb")
 EXPECTED_MM = {"wrist": 33.0, "index": 14.9, "thumb": 15.6}

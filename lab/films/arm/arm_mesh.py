@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from lab.films.arm.subdivision import subdivided
 from common.errors import ConfigError
 from common.geometry import Array
+from lab.films.arm.subdivision import subdivided
 
 MESH = Path(__file__).resolve().parents[3] / "../shared/data/arm_model.npz"
 MM = 1e-3

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from common.geometry import Array
 from lab.films.arm.arm_mesh import ArmMesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.posing import PosedArm
@@ -12,7 +13,6 @@ from lab.films.arm.postures import PostureName, posture_angles
 from lab.films.arm.skin import TONES, Tone, along_upper_arm, arm_albedo
 from lab.films.film import HandTruth
 from lab.films.picture.light import linear
-from common.geometry import Array
 from local_site.kernels.rasterising import Triangles
 from local_site.simulation.body import ArmTruth
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lab.films.arm.arm_mesh import ArmMesh
 from common.geometry import Array, rotation_from_vector
+from lab.films.arm.arm_mesh import ArmMesh
 from local_site.simulation.body import OPEN_ABOVE, ArmTruth, BodyPose
 
 PHALANX_SHARE = 0.5  # of a vertex's weights, by which it belongs to the last phalanx

@@ -4,9 +4,9 @@ from typing import Literal
 
 import numpy as np
 
+from common.geometry import Array
 from lab.films.arm.arm_mesh import ArmMesh
 from lab.films.picture.light import linear, vertex_normals
-from common.geometry import Array
 
 Tone = Literal["light", "medium", "dark"]
 

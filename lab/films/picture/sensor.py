@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 from numpy.random import Generator
 
-from lab.films.picture.rendering import Picture
 from common.cameras.camera import Image
+from lab.films.picture.rendering import Picture
 
 FOCUS_SIGMA_PX = 0.55
 NOISE_MARGIN_PX = 61  # every picture shows another part of one larger picture of noise

@@ -4,6 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from common.cameras.camera import Image
+from common.geometry import Array
 from lab.films.picture.rendering import Picture
 from lab.films.room.rooms import (
     DESK_FRONT,
@@ -18,8 +20,6 @@ from lab.films.room.rooms import (
     WALL_Y,
     FurnishedRoom,
 )
-from common.cameras.camera import Image
-from common.geometry import Array
 from local_site.calibration.physical_camera import PhysicalCamera
 
 Mask = NDArray[np.bool_]

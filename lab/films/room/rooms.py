@@ -12,10 +12,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from lab.films.room import furniture
 from common.cameras.camera import Image
 from common.errors import CameraError
-import numpy as np
 from lab.films.arm.arm_mesh import MESH, load_arm_mesh
 from lab.films.arm.motions import WRIST, ArmMotion
 from lab.films.arm.posing import PosedArm
@@ -23,7 +21,7 @@ from lab.films.arm.postures import posture_angles
 from lab.films.arm.skin import arm_albedo
 from lab.films.picture.light import Lighting, lit
 from lab.films.picture.rendering import rendered
-from common.cameras.camera import Image
+from lab.films.room import furniture
 from local_site.calibration.physical_camera import Lens, PhysicalCamera
 
 RoomName = Literal["plain", "office", "wood", "photograph", "fan", "poster"]

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from lab.stage.processes import PIP, UnavailableError, run_quietly
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.geometry import Array
 from common.link.channels import HAND
 from common.messages.codec import decode, encode
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
+from lab.stage.processes import PIP, UnavailableError, run_quietly
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import RobotConfig
 from remote_site.runtime.kinematic_loop import KinematicLoop

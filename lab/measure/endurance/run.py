@@ -1,4 +1,4 @@
-"""Runs the pair of sites for an hour, with recorder, viewers and a page: `python -m lab.measure.endurance.run [MINUTES]`.
+"""Runs both sites for an hour, with recorder, viewers and a page: `python -m lab.measure.endurance.run [MINUTES]`.
 
 Each minute the page is closed and opened again, the viewers leave and come again, and the arm is engaged anew. It
 writes build/endurance.json: by process, its memory, descriptors and threads at the begin and at the end. It needs what
@@ -10,21 +10,20 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 
-from lab.stage.network.namespaces import why_not
-from lab.stage.processes import ROOT, family, module_command, name_of
+import numpy as np
+
+from common.link.channels import CAMERA, STATE, ChannelSession
+from common.link.transport import open_link
 from lab.measure.wan.setup import CELL, PLAYED
 from lab.measure.wan.source import render_source
 from lab.measure.wan.stage import MEMORY, WanStage
-from common.link.channels import CAMERA, STATE, ChannelSession
-from common.link.transport import open_link
-from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
-import numpy as np
-from lab.stage.processes import memory_mb
+from lab.stage.network.namespaces import why_not
+from lab.stage.processes import ROOT, family, memory_mb, module_command, name_of
 
 REPORT = Path("build") / "endurance.json"
 MINUTES = 60.0

@@ -6,13 +6,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 
+from common.cameras.camera import Image
+from common.messages.requests import Description
+from common.messages.video import Codec
 from lab.measure.page.ages import Figures, painting
 from lab.measure.page.bare_console import BareConsole
 from lab.measure.page.chromium import Chromium
 from lab.measure.video.link import live_frame
-from common.cameras.camera import Image
-from common.messages.requests import Description
-from common.messages.video import Codec
+from lab.stage.clock_strip import draw_clock
 from local_site.console.hub import Hub
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
@@ -20,7 +21,6 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.request_server import describe
 from remote_site.simulation.cell import build_cell
 from remote_site.video.cell_cameras import CellRenderer
-from lab.stage.clock_strip import draw_clock
 from remote_site.video.streaming.encoding import Encoded
 from remote_site.video.streaming.pictures import encode_jpeg
 

@@ -15,8 +15,8 @@ from typing import Any, Self
 
 from websockets.sync.client import ClientConnection, connect
 
-from lab.stage.processes import cpu_s, family
 from common.errors import ProcessError
+from lab.stage.processes import cpu_s, family
 
 CHROMIUM = "/usr/bin/chromium"
 QUIET = (

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lab.measure.page.chromium import Tab
 from common.clock import NS_PER_MS
+from lab.measure.page.chromium import Tab
 from lab.stage.clock_strip import WRAP_MS, read_clock
 
 WATCH = (Path(__file__).parent / "painted_clock.js").read_text(encoding="utf-8").partition("\n")[2]

@@ -12,11 +12,11 @@ from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
 
-from lab.measure.page.chromium import CHROMIUM, QUIET, SIZE
 from common.errors import ProcessError
 from common.process.service import StopFlag
 from farhand.replay.console import serve_replay
 from farhand.replay.recorded_scene import RecordedScene
+from lab.measure.page.chromium import CHROMIUM, QUIET, SIZE
 from local_site.console.config import ServeConfig
 
 START_S, SETTLE_MS = 30.0, 2500

@@ -1,18 +1,19 @@
 """Benchmark of the operator's page: from glass to glass, narrow links, from the stop key to rest, and its load."""
 
-from lab.measure.page.ages import Figures
-from lab.measure.page.bare_page import bare_figures
-from lab.measure.page.whole_page import split_figures, whole_figures
 import time
 from contextlib import ExitStack
+
 import numpy as np
+
+from common.clock import NS_PER_S
+from farhand.loopback.site_process import free_ports
 from lab.measure.page.ages import Figures
+from lab.measure.page.bare_page import bare_figures
 from lab.measure.page.chromium import Chromium, Tab
 from lab.measure.page.narrow_link import NarrowLink
 from lab.measure.page.painted_clock import PageClock, ages_ms, compare, watch
 from lab.measure.page.stand import PageStand
-from common.clock import NS_PER_S
-from farhand.loopback.site_process import free_ports
+from lab.measure.page.whole_page import split_figures, whole_figures
 
 COMPARED = ("p50_ms", "p95_ms", "browser_cpu_ms_per_picture")
 MEASURE_S = 15.0

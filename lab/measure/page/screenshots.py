@@ -15,12 +15,12 @@ from typing import Any
 from msgspec.structs import replace
 from playwright.sync_api import sync_playwright
 
+from common.clock import NS_PER_S
+from common.messages.robot import LeaseState, Readiness, RobotState, SessionState
 from lab.measure.page import scene
 from lab.measure.page.bare_console import BareConsole
 from lab.measure.page.bare_page import rendered
 from lab.measure.page.chromium import CHROMIUM, QUIET
-from common.clock import NS_PER_S
-from common.messages.robot import LeaseState, Readiness, RobotState, SessionState
 from local_site.console.hub import Hub
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.operator import SimulatedOperator

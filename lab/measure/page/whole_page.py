@@ -8,13 +8,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from common.clock import NS_PER_MS
+from common.messages.robot import RobotState, SessionState
 from lab.measure.page.ages import Figures, painting
 from lab.measure.page.chromium import Chromium, Tab
 from lab.measure.page.painted_clock import compare
 from lab.measure.page.stand import PageStand, wait
 from lab.stage.processes import child_of, cpu_s, keep_on_core
-from common.clock import NS_PER_MS
-from common.messages.robot import RobotState, SessionState
 
 LATENESS_S = 17.0  # the window over which the control loop takes its lateness percentile
 NOTE_ESCAPE = "addEventListener('keydown', (e) => { if (e.key === 'Escape') window.pressed = e.timeStamp; }, true)"

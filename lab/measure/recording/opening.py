@@ -11,8 +11,6 @@ import numpy as np
 from mcap.reader import make_reader
 from starlette.websockets import WebSocket
 
-from lab.stage.processes import UnavailableError
-from lab.measure.recording.long_file import first_pictures_ns
 from common.clock import NS_PER_S, FakeClock
 from common.errors import RecordingError
 from common.recording.reader import RecordingReader
@@ -20,6 +18,8 @@ from common.recording.repair import repair
 from farhand.replay.console import RecordingPlayer
 from farhand.replay.playback import Playback
 from farhand.replay.recorded_scene import RecordedScene
+from lab.measure.recording.long_file import first_pictures_ns
+from lab.stage.processes import UnavailableError
 from local_site.console.model.page_messages import Play
 from local_site.console.model.seat import Visitor
 from local_site.console.model.shown import CAMERA_VIEW

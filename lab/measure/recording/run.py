@@ -3,20 +3,19 @@
 import shutil
 import sys
 import tempfile
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
 
-from lab.stage.processes import UnavailableError, module_command, run_quietly
-from lab.measure.recording.long_file import write_long
-from lab.measure.recording.opening import opening_figures, repair_figures
-from contextlib import ExitStack
-from pathlib import Path
 from common.recording.reader import RecordingReader
 from farhand.export.lerobot.encoding import CRF, KEY_PICTURE_EVERY
 from farhand.export.recording import open_sessions
 from farhand.export.session import RecordedSession
 from farhand.export.videos.h264 import SUFFIX, H264File, decoded
+from lab.measure.recording.long_file import write_long
+from lab.measure.recording.opening import opening_figures, repair_figures
+from lab.stage.processes import UnavailableError, module_command, run_quietly
 
 SECONDS, HOUR_S = 40.0, 3600.0
 RECORDING_TAKES_S = 600.0

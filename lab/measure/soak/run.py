@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 import structlog
 
-from lab.measure.soak.robot import c500c, kinematic, simulated
-from lab.measure.soak.world import CONFIG, MakeRobot, World
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from common.messages.robot import FOLLOWING, SessionState
+from lab.measure.soak.robot import c500c, kinematic, simulated
+from lab.measure.soak.world import CONFIG, MakeRobot, World
 from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.clearance import Workspace
 from remote_site.safety.collision import CollisionModel

@@ -7,11 +7,11 @@ from random import Random
 
 import msgspec
 
-from lab.measure.soak.operator import RandomOperator
-from lab.measure.soak.robot import FaultInjectingDriver
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.messages.requests import EngagementAction
 from common.messages.robot import FOLLOWING, SessionState
+from lab.measure.soak.operator import RandomOperator
+from lab.measure.soak.robot import FaultInjectingDriver
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import Driver, DriverSetup
 from remote_site.drivers.faults import RobotFault

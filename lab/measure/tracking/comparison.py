@@ -1,7 +1,8 @@
 """Our trackers of a bare arm and MediaPipe Hands on the same images: time, gaps, errors, covariance consistency."""
 
 import math
-from collections.abc import Mapping
+import time
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 
 import cv2
@@ -9,25 +10,19 @@ import numpy as np
 from rich.console import Console, Group
 from rich.table import Table
 
-from lab.stage.processes import UnavailableError
+from common.errors import NotInstalledError
+from common.messages.hand import TrackingStatus
+from lab.films.film import TrackingFilm
+from lab.films.listing import composed_films, right_arm_films
+from lab.films.scenes import ANY_BARE_ARM, RECORDINGS, Instant, TrackingScene, recorded_scenes, simulated_scenes
 from lab.measure.tracking.figures import NEES, RANK, SETTLED, Found, TrackingFigures, flat, judge
 from lab.measure.tracking.mediapipe_hands import MediaPipeHands, install
 from lab.measure.tracking.real_film import REAL, measure_real
-from lab.films.scenes import RECORDINGS, TrackingScene, recorded_scenes, simulated_scenes
-from common.errors import NotInstalledError
-from local_site.simulation.body import ArmTruth
-from local_site.tracking.tracker import Views
-import time
-from lab.measure.tracking.figures import Found
-from lab.films.scenes import TrackingScene
-from common.messages.hand import TrackingStatus
+from lab.stage.processes import UnavailableError
 from local_site.samples.hand_sample import GestureConfig, OpenHand
+from local_site.simulation.body import ArmTruth
 from local_site.tracking.choice import TrackingConfig, make_tracker
 from local_site.tracking.tracker import Views
-from collections.abc import Iterator
-from lab.films.film import TrackingFilm
-from lab.films.listing import composed_films, right_arm_films
-from lab.films.scenes import ANY_BARE_ARM, RECORDINGS, Instant, TrackingScene
 
 SILHOUETTE, LEARNED = "silhouette", "learned"
 OTHERS = (LEARNED, MediaPipeHands.name)

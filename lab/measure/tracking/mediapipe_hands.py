@@ -13,9 +13,9 @@ from typing import Self
 import msgspec
 import numpy as np
 
-from lab.stage.processes import PIP, UnavailableError, run_quietly
-from lab.measure.tracking.figures import Found
 from common.geometry import Array
+from lab.measure.tracking.figures import Found
+from lab.stage.processes import PIP, UnavailableError, run_quietly
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import triangulate
 from local_site.tracking.tracker import Views

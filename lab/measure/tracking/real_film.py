@@ -12,11 +12,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from lab.films.scenes import RECORDINGS
 from common.cameras.sources import open_camera
 from common.geometry import Array
 from common.messages.hand import FOUND, TrackingStatus
 from farhand.tracking.recorded_pairs import RecordedPairs
+from lab.films.scenes import RECORDINGS
 from local_site.calibration.control_points import ControlPoints
 from local_site.calibration.rig import Rig
 from local_site.calibration.solve import solve_rig

@@ -7,10 +7,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from lab.measure.video.link import live_frame
 from common.cameras.camera import Image
 from common.clock import NS_PER_S
 from farhand.loopback.picture_decoder import PictureDecoder
+from lab.measure.video.link import live_frame
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.encoding import Encoded, PictureEncoder
 from remote_site.video.streaming.setting import StreamSetting

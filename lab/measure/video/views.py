@@ -9,11 +9,11 @@ from functools import partial
 import cv2
 import numpy as np
 
-from lab.measure.video.coded import CodedCameras
-from lab.measure.video.link import Arrival, StreamRun
 from common.cameras.camera import Image
 from common.geometry import Array
 from common.messages.video import Codec
+from lab.measure.video.coded import CodedCameras
+from lab.measure.video.link import Arrival, StreamRun
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig

@@ -11,7 +11,7 @@ import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
-from common.messages.robot import Engagement, FOLLOWING, RobotState, SessionState
+from common.messages.robot import FOLLOWING, Engagement, RobotState, SessionState
 
 SECONDS_PER_MINUTE = 60.0
 LAGS_MS = np.arange(0.0, 1001.0, 5.0)

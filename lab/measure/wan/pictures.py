@@ -8,18 +8,15 @@ from typing import Any
 import cv2
 import numpy as np
 
-from lab.stage.stand_ins.pictures import SeenPictures, read_pictures, read_sights
-from lab.stage.stand_ins.played_remote import number_of
 from common.cameras.camera import Image
 from common.clock import NS_PER_MS, NS_PER_S
+from common.geometry import Array
 from common.messages.video import Codec, VideoFrame
 from farhand.loopback.picture_decoder import PictureDecoder
+from lab.stage.stand_ins.pictures import SeenPictures, read_pictures, read_sights
+from lab.stage.stand_ins.played_remote import number_of
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.pictures import encode_jpeg
-import cv2
-import numpy as np
-from common.cameras.camera import Image
-from common.geometry import Array
 
 COMPARED = 4  # pictures of each camera
 Figures = dict[str, Any]

@@ -1,4 +1,4 @@
-"""Measures the links one after the other on one pair of sites: `python -m lab.measure.wan.run [--full | --links=NAME,...]`.
+"""Measures links one after the other on one pair of sites: `python -m lab.measure.wan.run [--full | --links=NAME,...]`.
 
 Without a choice it takes a part of the matrix, in eight minutes. It writes build/wan: report.json, networks.md
 (tables), networks.png. The whole needs the right to network namespaces and to /dev/net/tun.
@@ -15,8 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from lab.stage.network.namespaces import why_not
-from lab.stage.processes import ROOT, cpu_s, module_command
 from lab.measure.wan.demands import judge_change, judge_links
 from lab.measure.wan.figures import (
     Copying,
@@ -34,6 +32,8 @@ from lab.measure.wan.report import write_report
 from lab.measure.wan.setup import PLAYED
 from lab.measure.wan.source import render_source
 from lab.measure.wan.stage import FIGURE_HZ, FIGURE_M, GLIDE_S, MEMORY, WanStage
+from lab.stage.network.namespaces import why_not
+from lab.stage.processes import ROOT, cpu_s, module_command
 
 FOLDER = Path("build") / "wan"
 CUT_S = 2.5  # more than a link's lease

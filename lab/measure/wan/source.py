@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from lab.stage.stand_ins.played_remote import FPS
 from common.geometry import Array
+from lab.stage.stand_ins.played_remote import FPS
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation.cell import build_cell
 from remote_site.simulation.config import CellConfig

@@ -10,11 +10,6 @@ from typing import Any, Self
 
 import numpy as np
 
-from lab.stage.network.command_socket import send
-from lab.stage.network.namespaces import LinkedHosts
-from lab.stage.processes import ROOT, module_command
-from lab.stage.stand_ins.hand_path import ScriptedPath
-from lab.measure.wan.setup import CELL, OPERATOR, WanSetup
 from common.config.loading import load_config
 from common.errors import ProcessError, TransportError
 from common.geometry import Array, vector_from_rotation
@@ -25,6 +20,11 @@ from common.messages.requests import EngagementAction, Reply
 from common.messages.robot import RobotState, SessionState
 from farhand.loopback.recorder import Recorder
 from farhand.loopback.site_process import SiteProcess
+from lab.measure.wan.setup import CELL, OPERATOR, WanSetup
+from lab.stage.network.command_socket import send
+from lab.stage.network.namespaces import LinkedHosts
+from lab.stage.processes import ROOT, module_command
+from lab.stage.stand_ins.hand_path import ScriptedPath
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.model import ArmModel
 

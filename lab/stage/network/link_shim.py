@@ -1,4 +1,4 @@
-"""A link below TCP: carries IP packets between two TUN devices as its model says; `python -m lab.stage.network.link_shim`.
+"""A link below TCP: carries IP packets between two TUN devices by its model; `python -m lab.stage.network.link_shim`.
 
 Its arguments are the socket of its commands and the descriptors of both devices. A command is the fields of an
 Impairment, or `report`: the path of a file to which it writes how many packets came and left, and how late they left.
@@ -14,10 +14,10 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from lab.stage.network.command_socket import CommandSocket
-from lab.stage.network.link_model import Impairment, LinkModel
 from common.clock import NS_PER_MS, NS_PER_S
 from common.process.service import ask_for_real_time
+from lab.stage.network.command_socket import CommandSocket
+from lab.stage.network.link_model import Impairment, LinkModel
 
 MTU = 2048
 BATCH = 64  # packets read at once, so that neither direction waits for the other

@@ -13,9 +13,9 @@ import tempfile
 import time
 from pathlib import Path
 
+from common.process.children import die_with_parent
 from lab.stage.network.command_socket import send
 from lab.stage.processes import ROOT, module_command
-from common.process.children import die_with_parent
 
 CLONE_NEWNS, CLONE_NEWNET = 0x00020000, 0x40000000
 MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18

@@ -17,9 +17,9 @@ import msgspec
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
 
+from common.clock import NS_PER_MS
 from lab.stage.network.command_socket import CommandSocket
 from lab.stage.stand_ins.pictures import SeenPictures, SightLog
-from common.clock import NS_PER_MS
 
 BEAT_S = 0.05
 BEATS_PER_WORD = 2

@@ -10,10 +10,10 @@ import time
 from pathlib import Path
 from unittest.mock import patch
 
-from lab.stage.network.command_socket import CommandSocket
-from lab.stage.stand_ins.pictures import PictureLog
 from common.messages.video import VideoFrame
 from farhand.__main__ import main
+from lab.stage.network.command_socket import CommandSocket
+from lab.stage.stand_ins.pictures import PictureLog
 from local_site.console.hub import Hub
 
 

@@ -6,28 +6,26 @@ python -m lab.stage.stand_ins.scripted_local SOCKET --set ...
 import struct
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from unittest.mock import patch
 
 import numpy as np
 
-from lab.stage.network.command_socket import CommandSocket
-from lab.stage.stand_ins.hand_path import ScriptedPath
 from common.cameras.camera import Frame
 from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import CameraError
 from common.geometry import Array, rotation_from_vector
 from common.messages.hand import TrackingStatus
 from farhand.__main__ import main
+from lab.stage.network.command_socket import CommandSocket
+from lab.stage.stand_ins.hand_path import ScriptedPath
 from local_site.acquisition.rig_cameras import OperatorConfig, OperatorRig
 from local_site.runtime import app, loop
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.tracker import ArmEstimate, Views
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from unittest.mock import patch
 
 FRAME_NS = NS_PER_S // 30
 EXPOSURE_NS = 8 * NS_PER_MS

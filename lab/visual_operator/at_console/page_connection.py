@@ -15,8 +15,8 @@ from websockets.typing import Origin
 from common.clock import NS_PER_MS
 from common.errors import TransportError
 from common.messages.hand import Intent, OperatorSettings
-from lab.visual_operator.at_console.led_pose import LedPose
 from lab.visual_operator.at_console.console_page import ConsolePage
+from lab.visual_operator.at_console.led_pose import LedPose
 
 BEAT_S, BEATS_PER_REPORT = 0.05, 2
 STEER_AGAIN_NS = 500 * NS_PER_MS

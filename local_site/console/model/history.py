@@ -1,15 +1,12 @@
-"""Events as sentences with their times, newest first."""
+"""Events as sentences with their times, newest first; whose stop stands, and which fault nobody has answered."""
 
 from collections import deque
 from dataclasses import dataclass
 
 from common.clock import NS_PER_S
 from common.link.channels import STATE
-from common.messages.robot import STOPPED, RobotState, SessionState
-from common.clock import NS_PER_S
-from common.messages.robot import STOPPED, RobotState, SessionState
-from local_site.console.model.seat import Visitor
 from common.messages.robot import SITE_ENDED, STOPPED, RobotState, SessionState
+from local_site.console.model.seat import Visitor
 
 KEPT = 30
 TROUBLE_NS = 3 * NS_PER_S  # near a limit trouble comes and goes

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -12,20 +13,15 @@ from local_site.simulation.body import ArmBody, BodyPose
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.room.arm import Arm
+from local_site.simulation.room.bystanders import Face, SecondArm
 from local_site.simulation.room.clothes import Shirt, is_before
+from local_site.simulation.room.config import DisturbanceName
 from local_site.simulation.room.lamps import office_lamps
 from local_site.simulation.room.layer import Brush, ShadedLayer
+from local_site.simulation.room.moving_things import Fan, Shadows
 from local_site.simulation.room.panels import Panel
 from local_site.simulation.room.scenery import draw_office, office
 from local_site.simulation.room.surface import STRETCHED
-from typing import Protocol
-import numpy as np
-from common.cameras.camera import Image
-from local_site.simulation.cameras import PinholeCamera
-from local_site.simulation.room.bystanders import Face, SecondArm
-from local_site.simulation.room.config import DisturbanceName
-from local_site.simulation.room.layer import Brush
-from local_site.simulation.room.moving_things import Fan, Shadows
 
 NOISE_ROOM_PX = 128
 

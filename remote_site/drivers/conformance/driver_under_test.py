@@ -4,9 +4,9 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from common.clock import NS_PER_S
-from common.host_clock import MonotonicClock
 from common.errors import DriverError
 from common.geometry import Array
+from common.host_clock import MonotonicClock
 from remote_site.drivers.conformance.call_watch import CallWatch
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading
 

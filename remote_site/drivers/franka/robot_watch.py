@@ -2,10 +2,9 @@
 
 from collections.abc import Callable
 
-from common.clock import NS_PER_S, Clock
+from common.clock import NS_PER_MS, NS_PER_S, Clock
 from common.errors import DriverError
 from remote_site.drivers.franka.robot_port import ArmState, MotionPort, RobotPort, UnreachableError
-from common.clock import NS_PER_MS
 
 AGAIN_NS = NS_PER_S
 SPAN_NS = 50 * NS_PER_MS

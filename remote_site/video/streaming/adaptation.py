@@ -1,14 +1,15 @@
 """The codec, quality, size and rate of every camera, from what came to the operator's console and what it shows."""
 
+import statistics
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.link.channels import SHOWN
 from common.messages.robot import VideoLink
-from common.messages.video import Codec, VideoFrame, ViewsShown
+from common.messages.video import Codec, VideoFrame, ViewShown, ViewsShown
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.busy_hosts import BusyHosts
 from remote_site.video.streaming.codec_choice import CodecChoice
@@ -16,11 +17,6 @@ from remote_site.video.streaming.link_rate import USED, Least, LinkRate
 from remote_site.video.streaming.sent_pictures import SentPictures, together
 from remote_site.video.streaming.setting import StreamSetting, fit, fit_h264, most_h264_bytes
 from remote_site.video.streaming.video_trouble import busy_host, narrow_link, slow_page
-import statistics
-from collections.abc import Sequence
-from common.clock import NS_PER_MS, NS_PER_S
-from common.messages.video import ViewShown
-from remote_site.video.streaming.link_rate import Least
 
 SENDING_NS = NS_PER_S
 FLOOR_BYTES_PER_S = 500.0

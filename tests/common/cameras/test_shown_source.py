@@ -14,8 +14,8 @@ from farhand.setup.finding_cameras import try_cameras
 from remote_site.video.config import CameraConfig
 from remote_site.video.sources import ThreadedCamera
 from tests.common.cameras.fake_capture import FakeCapture
-from tests.common.link.secured_cell import until
 from tests.farhand.setup.scripted_person import ScriptedPerson
+from tests.waiting import until
 
 NOBODY = "http://anna:s3cret@127.0.0.1:1/s3cret?password=s3cret"  # nobody listens there
 

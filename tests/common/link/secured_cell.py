@@ -8,7 +8,7 @@ import socket
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -25,7 +25,6 @@ from common.messages.codec import encode
 from common.messages.hand import HandArm
 from common.messages.requests import ClockAnswer, EngagementAction, EngagementRequest, Reply, StopRequest
 from farhand.certificates.issuing import Issued
-from tests.waiting import until
 
 HAND_SAMPLE, ROBOT_STATE = golden.HAND, golden.STATE
 CELL = "lab"

@@ -30,8 +30,8 @@ from tests.common.link.secured_cell import (
     keep,
     running,
     secured,
-    until,
 )
+from tests.waiting import until
 
 KNOWN_WITHIN_S = 10.0  # until who is refused knows why; three where a machine has nothing else to do
 

@@ -27,8 +27,8 @@ from tests.common.link.secured_cell import (
     reply_to,
     request,
     secured,
-    until,
 )
+from tests.waiting import until
 
 
 def test_an_operator_commands_and_hears(pki: Path, cell: Cell) -> None:

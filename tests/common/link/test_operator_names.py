@@ -29,8 +29,8 @@ from tests.common.link.secured_cell import (
     request,
     running,
     secured,
-    until,
 )
+from tests.waiting import until
 
 
 @pytest.fixture(scope="module", params=SECURED)

@@ -35,9 +35,9 @@ from tests.common.link.secured_cell import (
     request,
     running,
     secured,
-    until,
 )
 from tests.common.link.watched_cell import watched
+from tests.waiting import until
 
 CROWD = 70  # more than a session has neighbours
 BOTH = [ChannelSession.CONTROL, ChannelSession.VIDEO]

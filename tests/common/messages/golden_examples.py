@@ -9,7 +9,6 @@ import msgspec
 
 from common.messages.base import PROTOCOL_VERSION, Covariance, Message
 from common.messages.codec import encode
-from common.messages.wire_form import pack_covariance, unpack_covariance
 from common.messages.hand import (
     ClockSync,
     ClutchKey,
@@ -72,6 +71,7 @@ from common.messages.robot import (
 )
 from common.messages.shapes import BoxDescription, CapsuleDescription, GripperDescription, ShapesDescription
 from common.messages.video import CameraStatus, Codec, KeyFrameRequest, VideoFrame, ViewCame, ViewShown, ViewsShown
+from common.messages.wire_form import pack_covariance, unpack_covariance
 
 GOLDEN = Path(__file__).parents[2] / "golden"
 

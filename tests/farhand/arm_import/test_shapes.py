@@ -10,8 +10,7 @@ from farhand.arm_import.description.elements import Inertial, Shape, UrdfBox, Ur
 from farhand.arm_import.shapes.capsule import Capsule, enclosing_capsule
 from farhand.arm_import.shapes.capsules_of import capsule_of, shape_of
 from farhand.arm_import.shapes.covering import below, covering
-from farhand.arm_import.shapes.links import estimated, usable
-from farhand.arm_import.shapes.links import cover_link
+from farhand.arm_import.shapes.links import cover_link, estimated, usable
 from farhand.arm_import.shapes.meshes import read_triangles
 from tests.farhand.arm_import.published import box_stl, box_triangles
 

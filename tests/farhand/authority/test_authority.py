@@ -12,8 +12,8 @@ from structlog.testing import capture_logs
 
 import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_MS, NS_PER_S
-from common.host_clock import MonotonicClock
 from common.errors import RefusedError, TransportError
+from common.host_clock import MonotonicClock
 from common.link import transport
 from common.link.channels import CLOCK, DESCRIBE, TROUBLE
 from common.link.remote_clock import RemoteClock

@@ -8,8 +8,8 @@ import msgspec
 import pytest
 
 from common.config.loading import load_config
-from common.errors import ConfigError, RecordingError
 from common.config.replaced_keys import GONE_KEYS, REPLACED_KEYS
+from common.errors import ConfigError, RecordingError
 from farhand.commands.options import load_own
 from farhand.deployment.kinds import KINDS, Configuration
 from remote_site.config import RemoteConfig

@@ -11,10 +11,10 @@ from common.errors import ProcessError
 from farhand.deployment.shipped import HERE, configuration_files
 from farhand.doctor.findings import Severity, worst
 from farhand.doctor.run import examine
-from lab.experiments.follow import THESIS_SMOOTHING
-from lab.experiments.following import Film, ToolPath, film, follow_by_pipeline
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.site_process import free_ports
+from lab.experiments.follow import THESIS_SMOOTHING
+from lab.experiments.following import Film, ToolPath, film, follow_by_pipeline
 from local_site.config import LocalConfig
 from remote_site.config import RemoteConfig
 

@@ -1,14 +1,13 @@
 """A process under the loopback: its last error, its events, and its end."""
 
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from farhand.loopback import site_process
 from farhand.loopback.site_process import SiteProcess
+from tests.waiting import until
 
 SAYING = "import sys; print({text!r}, file=sys.stderr); sys.exit(3)"
 STUBBORN = """
@@ -28,7 +27,6 @@ time.sleep(60)
         ("Segmentation fault", "Segmentation fault"),
     ],
 )
-from tests.waiting import until
 def test_an_ended_process_gives_its_reason(text: str, error: str) -> None:
     process = SiteProcess("test", [sys.executable, "-c", SAYING.format(text=text)], {})
     until(lambda: process.exit_code is not None)

@@ -10,12 +10,12 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from lab.measure.page import scene
 from common.geometry import Array, transform
 from common.link.channels import STATE
 from common.messages.codec import encode
 from common.messages.requests import EngagementAction
 from common.messages.robot import Pose, SessionState
+from lab.measure.page import scene
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from tests.remote_site.driven_loop import CONFIG

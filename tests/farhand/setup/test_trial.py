@@ -10,8 +10,16 @@ from common.clock import FakeClock
 from common.errors import CameraError
 from common.messages.hand import TrackingStatus
 from farhand.doctor.findings import Severity
-from farhand.setup.trial import CURES, OTHERWISE, cure_of, without_counts
-from farhand.setup.trial import TrackerTrial, judge_trial, run_trial, views_for
+from farhand.setup.trial import (
+    CURES,
+    OTHERWISE,
+    TrackerTrial,
+    cure_of,
+    judge_trial,
+    run_trial,
+    views_for,
+    without_counts,
+)
 from local_site.acquisition.pairing import PairingConfig
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import SimulationConfig

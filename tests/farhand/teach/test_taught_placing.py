@@ -5,14 +5,14 @@ import pytest
 from msgspec.structs import replace
 
 from common.messages.robot import GripperCommand, SessionState
-from lab.experiments.placing.judge import Judge, Placed
-from lab.experiments.placing.trial import MOST_S, Conditions, _Trial, remote_config
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import SteppedSite
 from farhand.replay.recorded_tool_path import path_of
 from farhand.teach.extraction import task_of
 from farhand.teach.planning import planned_path
 from farhand.teach.task_file import TaskFile, TaskOrigin, TaughtFrame
+from lab.experiments.placing.judge import Judge, Placed
+from lab.experiments.placing.trial import MOST_S, Conditions, _Trial, remote_config
+from lab.experiments.stepped.robots import SteppedCell
+from lab.experiments.stepped.site import SteppedSite
 from local_site.programmed.path_progress import PathProgress
 from remote_site.config import RemoteConfig
 from tests.led_cell import LedCell, robot_state

@@ -12,9 +12,7 @@ from msgspec.structs import replace
 from common.cameras.camera import Frame
 from common.errors import CameraError, ConfigError
 from farhand.tracking.recorded_pairs import RecordedPairs
-from farhand.tracking.results.outputs import TrackOutputs
-from farhand.tracking.results.outputs import annotated_pictures
-from farhand.tracking.results.outputs import json_lines
+from farhand.tracking.results.outputs import TrackOutputs, annotated_pictures, json_lines
 from farhand.tracking.run import TrackSources, run_track
 from farhand.tracking.summary import describe
 from farhand.tracking.track import track_recording

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from common.errors import ConfigError, InterruptionError
+from farhand.outputs import write_result
 from lab.experiments.follow import HAND_MEASURED, TOOL
 from lab.experiments.following import film
 from lab.experiments.run import run_experiment
-from farhand.outputs import write_result
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig
 

@@ -9,8 +9,8 @@ import pytest
 from lab.films.arm.skin import TONES
 from lab.films.composed import ComposedFilm, composed_film
 from lab.films.cutout import cut_out
-from lab.films.surroundings import FilmSetting
 from lab.films.scenes import RECORDINGS
+from lab.films.surroundings import FilmSetting
 from local_site.calibration.triangulation import project
 
 needs_recordings = pytest.mark.skipif(not RECORDINGS.exists(), reason="the recordings are not here")

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from common.cameras.camera import Frame
+from common.errors import CameraError
 from lab.films.film import FilmInstant, HandTruth, TrackingFilm
 from lab.films.film_file import read_film, read_films, write_film
 from lab.films.picture.rigs import film_cameras, film_rig
-from common.cameras.camera import Frame
-from common.errors import CameraError
 from local_site.simulation.body import ArmTruth
 from local_site.tracking.tracker import View, Views
 

@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from common.errors import ConfigError
 from lab.films.arm.arm_mesh import MESH, load_arm_mesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.posing import PosedArm
@@ -13,7 +14,6 @@ from lab.films.arm.postures import posture_angles
 from lab.films.listing import mesh_films
 from lab.films.meshed import FilmedArm, MeshFilm, mesh_film
 from lab.films.surroundings import FilmSetting
-from common.errors import ConfigError
 from local_site.calibration.triangulation import project
 
 pytestmark = pytest.mark.skipif(not MESH.exists(), reason="the arm's mesh is not here")

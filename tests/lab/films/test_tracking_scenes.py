@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from lab.films.scenes import recorded, recorded_scenes, simulated, simulated_scenes
 from common.errors import CameraError
+from lab.films.scenes import recorded, recorded_scenes, simulated, simulated_scenes
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import control_point_rows
 from local_site.simulation.config import MotionConfig, MotionName, SimulationConfig, StereoConfig

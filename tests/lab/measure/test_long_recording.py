@@ -2,11 +2,11 @@
 
 import pytest
 
-from lab.stage.processes import UnavailableError
-from lab.measure.recording.long_file import first_pictures_ns, write_long
-from lab.measure.recording.opening import WatchedReplay, opening_figures, repair_figures
 from common.recording.reader import RecordingReader
 from farhand.replay.recorded_scene import RecordedScene
+from lab.measure.recording.long_file import first_pictures_ns, write_long
+from lab.measure.recording.opening import WatchedReplay, opening_figures, repair_figures
+from lab.stage.processes import UnavailableError
 from tests.farhand.replay.recorded_states import SECONDS, recorded_states
 from tests.remote_site.recording.recorded_site import CAMERA
 

@@ -5,9 +5,9 @@ import sys
 import numpy as np
 import pytest
 
-from lab.stage.processes import UnavailableError, reason
-from lab.measure.tracking.mediapipe_hands import MediaPipeHands, install, triangulate_landmarks
 from common.cameras.camera import Frame
+from lab.measure.tracking.mediapipe_hands import MediaPipeHands, install, triangulate_landmarks
+from lab.stage.processes import UnavailableError, reason
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig

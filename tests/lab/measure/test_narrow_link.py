@@ -6,8 +6,8 @@ import time
 
 import pytest
 
-from lab.measure.page.narrow_link import NarrowLink
 from farhand.loopback.site_process import free_ports
+from lab.measure.page.narrow_link import NarrowLink
 
 SIZE = 125_000  # a megabit
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from lab.measure.page.painted_clock import PageClock, ages_ms
 from common.clock import NS_PER_MS
+from lab.measure.page.painted_clock import PageClock, ages_ms
 from lab.stage.clock_strip import draw_clock
 
 EXPOSED_MS = 4_000_000

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from lab.stage.processes import UnavailableError
+from common.errors import NotInstalledError
+from lab.films.scenes import simulated
 from lab.measure.tracking import comparison as tracking
 from lab.measure.tracking.comparison import Comparison
 from lab.measure.tracking.figures import SETTLED, Found
 from lab.measure.tracking.mediapipe_hands import MediaPipeHands
-from lab.films.scenes import simulated
-from common.errors import NotInstalledError
+from lab.stage.processes import UnavailableError
 from local_site.simulation.config import MotionConfig, SimulationConfig
 
 PAIRS = 16
@@ -90,7 +90,7 @@ def test_a_tracker_without_its_models_is_left_out_with_the_cure(monkeypatch):
     def missing(*_):
         raise NotInstalledError("run 'farhand models install'")
 
-    monkeypatch.setattr("local_site.tracking.choice.LearnedTracker", missing)
+    monkeypatch.setattr("local_site.tracking.factories.LearnedTracker", missing)
     figures, totals, text = compare(monkeypatch, PAIRS, replace(SCENE, methods=("silhouette", "learned")))
     assert "learned skipped: run 'farhand models install'" in text
     assert totals["learned measured"] == 0.0

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from lab.stage.network.link_model import Impairment, LinkModel
 from common.clock import NS_PER_MS, NS_PER_S
+from lab.stage.network.link_model import Impairment, LinkModel
 
 MS = NS_PER_MS
 PACKETS = 20_000

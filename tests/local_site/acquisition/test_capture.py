@@ -8,8 +8,8 @@ import numpy as np
 from common.cameras.camera import Frame
 from common.cameras.lost_pictures import LostPictures
 from common.clock import NS_PER_MS, FakeClock
-from common.host_clock import MonotonicClock
 from common.errors import CameraError
+from common.host_clock import MonotonicClock
 from local_site.acquisition.capture import Capture
 from local_site.acquisition.pairing import PairingConfig
 from local_site.acquisition.simulated_cameras import Beginning, SimulatedCameras

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 from msgspec.structs import replace
 
-from lab.measure.page import scene
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array, rotation_from_vector
 from common.mapping.shown_hand import shown_orientation
@@ -13,6 +12,7 @@ from common.messages.codec import decode, encode
 from common.messages.hand import HandArm, HandPoint, Intent, OperatorSettings, TrackingStatus
 from common.messages.requests import Description
 from common.messages.robot import Pose, RobotState, SessionState
+from lab.measure.page import scene
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel

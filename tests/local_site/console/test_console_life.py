@@ -15,8 +15,8 @@ from urllib.parse import urlsplit
 import pytest
 from structlog.testing import capture_logs
 
-from lab.measure.page.bare_console import BareConsole
 from farhand.loopback.site_process import free_ports
+from lab.measure.page.bare_console import BareConsole
 from local_site.console.server import LibraryLog
 
 READY_S = 60.0

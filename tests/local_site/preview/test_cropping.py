@@ -7,8 +7,7 @@ import pytest
 
 from common.messages.hand import TrackingStatus
 from local_site.preview.arm_window import PictureBox
-from local_site.preview.cropping import Cropping, arm_box
-from local_site.preview.cropping import ViewPart
+from local_site.preview.cropping import Cropping, ViewPart, arm_box
 from local_site.tracking.annotate import annotate
 from local_site.tracking.tracker import ArmEstimate, Overlay
 

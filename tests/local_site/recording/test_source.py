@@ -1,7 +1,7 @@
 """What the operator's recorder hears over a real link: its orders, and the views only while it wants them."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 

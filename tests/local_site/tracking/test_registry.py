@@ -1,4 +1,4 @@
-"""A tracker of another package: found by its entry point, given its options, listed, refused by name where it cannot be."""
+"""A tracker of another package: found by its entry point, given its options, listed, refused where it cannot be."""
 
 from importlib.metadata import EntryPoint
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_S
-from common.host_clock import MonotonicClock
 from common.errors import DriverError
+from common.host_clock import MonotonicClock
 from common.messages.robot import GripperCommand
 from common.process.children import END, Children
 from common.process.service import StopFlag, ask_for_real_time

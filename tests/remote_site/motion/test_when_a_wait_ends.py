@@ -7,8 +7,7 @@ import pytest
 
 from common.geometry import Array
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.waiting_target import DecayingOffset
-from remote_site.motion.waiting_target import WaitingTarget
+from remote_site.motion.waiting_target import DecayingOffset, WaitingTarget
 from tests.remote_site.motion.test_waiting_target import DT, ELBOW, LIMITS, MODEL, SHOULDER, START, WRIST_ROLL, Way
 from tests.remote_site.remote_loop import TICK_NS
 

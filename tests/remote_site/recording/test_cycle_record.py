@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from lab.measure.soak.robot import kinematic
-from lab.measure.soak.world import CONFIG, World
 from common.errors import MessageError
 from common.messages.robot import SessionState
+from lab.measure.soak.robot import kinematic
+from lab.measure.soak.world import CONFIG, World
 from remote_site.assist.sighting import MarkerSighting
 from remote_site.reasons import Code, reason
 from remote_site.recording.cycle_record import (

@@ -16,9 +16,9 @@ import pytest
 from common.errors import ProcessError
 from common.messages.requests import ViewCalibration
 from remote_site.link_config import RemoteLinksConfig
-from remote_site.recording.transcript import camera_frame
 from remote_site.recording.memory import AWAITED_NS, GONE_NS, RecordingMemory, stop_waiting, wait_for_site
 from remote_site.recording.memory_files import make_file, memory_place
+from remote_site.recording.transcript import camera_frame
 from remote_site.shared_ring import RingReader
 
 NOW_NS = 10**12

@@ -6,13 +6,13 @@ import pytest
 
 from common.config.loading import load_config
 from common.messages.hand import TrackingStatus
-from lab.experiments.following import FollowingArm
 from farhand.loopback.scenario import (
     ARM_FILES,
     HUMANOID,
     MONOCULAR,
     arm_settings,
 )
+from lab.experiments.following import FollowingArm
 from local_site.simulation.hazel import Swing, true_points
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from common.messages.robot import SessionState
 from lab.measure.soak.robot import c500c, kinematic
 from lab.measure.soak.world import CONFIG, World
-from common.messages.robot import SessionState
 from remote_site.teleop.cycle import CycleInput
 from remote_site.teleop.pipeline import TeleopPipeline
 from tests.remote_site.teleop.cycle_log import Cycle, first_difference

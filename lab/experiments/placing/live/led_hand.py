@@ -2,6 +2,7 @@
 
 import os
 import socket
+import weakref
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable
@@ -64,7 +65,7 @@ class LedHand:
     def __init__(self, name: str, time_of: Callable[[float], int]) -> None:
         self._name, self._time_of = name, time_of
         self._history = LedPoseHistory()
-        self._pid, self._socket = 0, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
+        self._listening: tuple[int, socket.socket] | None = None  # and in which process
 
     def at(self, t_s: float) -> tuple[Array, Array, float]:
         """Where the hand is, by all that has come until now."""
@@ -77,10 +78,10 @@ class LedHand:
         return self._history.openings_until(self._time_of(t_s))
 
     def _receive(self) -> None:
-        self._listen()
+        listening = self._listen()
         while True:
             try:
-                poses = DECODER.decode(self._socket.recv(LARGEST))
+                poses = DECODER.decode(listening.recv(LARGEST))
             except BlockingIOError:
                 return
             except msgspec.DecodeError as error:
@@ -89,9 +90,12 @@ class LedHand:
             for pose in poses:
                 self._history.add(pose)
 
-    def _listen(self) -> None:
-        if self._pid != os.getpid():
-            self._pid = os.getpid()
-            self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
-            self._socket.setblocking(False)
-            self._socket.bind(f"{self._name}.{self._pid}")
+    def _listen(self) -> socket.socket:
+        """This process's own socket."""
+        if self._listening is not None and self._listening[0] == os.getpid():
+            return self._listening[1]
+        own = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC | socket.SOCK_NONBLOCK)
+        weakref.finalize(self, own.close)
+        own.bind(f"{self._name}.{os.getpid()}")
+        self._listening = os.getpid(), own
+        return own

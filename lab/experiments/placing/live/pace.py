@@ -9,10 +9,10 @@ import numpy as np
 from common.clock import NS_PER_S
 from common.messages.hand import HandArm, TrackingStatus
 from common.messages.robot import RobotState, SessionState
-from lab.experiments.placing.live.judgement import TrialJudgement
-from lab.experiments.placing.trial import TrialResult
 from farhand.loopback.figures import latency_figures
 from farhand.loopback.recorder import Record
+from lab.experiments.placing.live.judgement import TrialJudgement
+from lab.experiments.placing.trial import TrialResult
 from lab.visual_operator.at_console.sitting import SittingNotes
 
 LOST_TIME = "simulated cell lost time"

@@ -11,13 +11,13 @@ import msgspec
 
 from common.errors import ProcessError
 from common.link.transport import open_link
+from farhand.loopback.recorder import Recorder
+from farhand.loopback.run import RunningSites
+from farhand.loopback.site_process import SiteProcess, free_ports, listens, module_command
 from lab.experiments.placing.live.judgement import TrialJudgement
 from lab.experiments.placing.live.pace import LiveResult, live_result
 from lab.experiments.placing.live.plan import CELL, LivePlan, live_plan
 from lab.experiments.placing.trial import Conditions
-from farhand.loopback.recorder import Recorder
-from farhand.loopback.run import RunningSites
-from farhand.loopback.site_process import SiteProcess, free_ports, listens, module_command
 from lab.visual_operator.at_console.sitting import SittingNotes
 
 LIVE = "lab.experiments.placing.live."

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from common.cameras.camera import Image
-from lab.experiments.robonaut.footage import Footage, Tracked
 from farhand.reports.plate import plate
+from lab.experiments.robonaut.footage import Footage, Tracked
 from local_site.calibration.physical_camera import Lens
 from local_site.kernels.pictures import as_colour
 from local_site.simulation.hazel import FOCAL_PX, PRINCIPAL_PX

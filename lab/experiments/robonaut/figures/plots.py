@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from common.geometry import Array
+from farhand.reports.plotting import MEASURED, TRUE, describe_panel, panels, png, widen
 from lab.experiments.robonaut.errors import MM, motions, true_and_measured
 from lab.experiments.robonaut.footage import Tracked
-from farhand.reports.plotting import MEASURED, TRUE, describe_panel, panels, png, widen
 from local_site.simulation.hazel import JOINTS
 
 if TYPE_CHECKING:

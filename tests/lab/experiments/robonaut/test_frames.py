@@ -3,9 +3,9 @@
 import cv2
 import numpy as np
 
+from farhand.reports.plate import CAPTION_PX, GAP_PX, plate
 from lab.experiments.robonaut.figures.frames import COLUMNS, TILE_PX, frames_plate, frames_shown, overlays_plate
 from lab.experiments.robonaut.footage import Footage, Tracked, bare, render_footage, track_footage
-from farhand.reports.plate import CAPTION_PX, GAP_PX, plate
 from local_site.simulation.hazel import Swing, film_pixel, hazel_film
 from local_site.tracking.config import MonocularConfig
 

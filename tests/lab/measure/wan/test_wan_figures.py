@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
+from common.messages.robot import LoopTiming, Obeyed, SessionState
 from lab.measure.wan.figures import (
     Copying,
     Span,
@@ -14,7 +15,6 @@ from lab.measure.wan.figures import (
     most_within,
     session_figures,
 )
-from common.messages.robot import LoopTiming, Obeyed, SessionState
 from tests.lab.measure.wan.states import CAPTURE_NS, MS, ORIGIN, STATE_NS, played, state, wrist
 
 ROTATION = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

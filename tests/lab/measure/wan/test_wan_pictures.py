@@ -6,13 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
-from lab.stage.stand_ins.pictures import PictureLog, SeenPictures, SightLog, read_pictures, read_sights
-from lab.stage.stand_ins.played_remote import FRAME_NS, PlayedCamera, number_of
-from lab.measure.video.link import live_frame
-from lab.measure.wan.pictures import Likeness, Seen, picture_figures, read_seen, understated_ms
-from lab.measure.wan.pictures import ssim
 from common.cameras.camera import Image
 from common.messages.video import Codec, VideoFrame
+from lab.measure.video.link import live_frame
+from lab.measure.wan.pictures import Likeness, Seen, picture_figures, read_seen, ssim, understated_ms
+from lab.stage.stand_ins.pictures import PictureLog, SeenPictures, SightLog, read_pictures, read_sights
+from lab.stage.stand_ins.played_remote import FRAME_NS, PlayedCamera, number_of
 from remote_site.video.streaming.encoding import Encoded, PictureEncoder
 from remote_site.video.streaming.pictures import encode_jpeg
 from remote_site.video.streaming.setting import StreamSetting

@@ -6,10 +6,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from lab.measure.page import scene
 from common.clock import ClockOffset
 from common.messages.hand import Locks, OperatorSettings
 from common.messages.robot import GripperStatus, HandLink, LeaseState, SessionState
+from lab.measure.page import scene
 from lab.visual_operator.at_console.console_page import ConsolePage
 from lab.visual_operator.at_console.page_connection import changed
 from local_site.console.model.frames import view_frame

@@ -7,15 +7,15 @@ from contextlib import ExitStack
 import msgspec
 import pytest
 
-from lab.measure.page import scene
-from lab.measure.page.bare_console import BareConsole
 from common.errors import TransportError
 from common.messages.hand import Intent, Locks, OperatorSettings
-from lab.visual_operator.at_console.led_pose import LedPose, LedPoses
 from common.messages.robot import SessionState
 from farhand.loopback.site_process import free_ports
+from lab.measure.page import scene
+from lab.measure.page.bare_console import BareConsole
 from lab.visual_operator.at_console import page_connection
 from lab.visual_operator.at_console.console_page import ConsolePage
+from lab.visual_operator.at_console.led_pose import LedPose, LedPoses
 from lab.visual_operator.at_console.page_connection import PageConnection
 from tests.waiting import until
 

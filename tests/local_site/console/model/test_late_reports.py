@@ -2,10 +2,10 @@
 
 import pytest
 
-from lab.measure.page import scene
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.requests import Reply
 from common.messages.robot import NO_PAGE, HandLink, Readiness, SessionState
+from lab.measure.page import scene
 from local_site.console.model.late_reports import answered, late_reports, named
 from local_site.console.model.seat import Seat, Visitor
 from remote_site.reasons import Code

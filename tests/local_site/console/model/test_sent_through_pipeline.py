@@ -6,12 +6,12 @@ from collections import deque
 import numpy as np
 from msgspec.structs import replace
 
-from lab.measure.page import scene
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
 from common.geometry import Array, rotation_from_vector
 from common.messages.hand import HandArm, Intent, OperatorSettings
 from common.messages.requests import EngagementAction
 from common.messages.robot import Pose, RobotState, SessionState
+from lab.measure.page import scene
 from local_site.console.model.sent_target import SentTarget
 from remote_site.teleop.cycle import Snapshot
 from tests.local_site.console.followed_remote import cell

@@ -5,8 +5,8 @@ import pytest
 
 from common.clock import NS_PER_S
 from common.messages.robot import STOPPED, Readiness, RobotState, SessionState
-from local_site.console.model.seat import Visitor
 from local_site.console.model.history import ASKED_WITHIN_NS, Stopper
+from local_site.console.model.seat import Visitor
 from tests.common.messages.golden_examples import STATE
 
 HERE, THERE = Visitor(1, "127.0.0.1"), Visitor(2, "10.0.0.7")

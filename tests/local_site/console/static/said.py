@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 from msgspec.structs import replace
 
-from lab.measure.page import scene
 from common.clock import NS_PER_S
 from common.messages.hand import HandArm
 from common.messages.robot import LeaseState, Readiness, RobotState, SessionState
+from lab.measure.page import scene
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
 from local_site.console.model.seat import Seat, Visitor

@@ -3,9 +3,9 @@
 import pytest
 from msgspec.structs import replace
 
-from lab.measure.page import scene
 from common.clock import NS_PER_S
 from common.messages.robot import Asker, LeaseState, Pose, SessionState
+from lab.measure.page import scene
 from local_site.console.model.seat import Visitor
 from remote_site.session.fault_latch import EMERGENCY_STOP
 from remote_site.session.halts import Halts

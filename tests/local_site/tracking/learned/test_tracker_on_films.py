@@ -5,9 +5,9 @@ from itertools import islice
 import numpy as np
 import pytest
 
+from common.messages.hand import TrackingStatus
 from lab.films.arm.arm_mesh import MESH
 from lab.films.listing import mesh_films
-from common.messages.hand import TrackingStatus
 
 pytestmark = [
     pytest.mark.long,  # rendering; test_tracker_in_an_office.py covers the same ground

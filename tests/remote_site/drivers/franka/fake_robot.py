@@ -127,7 +127,9 @@ class SteppedSide(FakeClock):
     While `gripper_waits` the gripper's process does nothing, as in a call that has not returned.
     """
 
-    def __init__(self, robot: FakeRobot, gripper: FakeGripper | None, connect: Callable[[], FakeRobot] | None = None) -> None:
+    def __init__(
+        self, robot: FakeRobot, gripper: FakeGripper | None, connect: Callable[[], FakeRobot] | None = None
+    ) -> None:
         super().__init__(NS_PER_MS * 1000)
         self.robot, self._grips, self._connect = robot, gripper, connect or (lambda: robot)
         self.arm, self.gripper = ArmMemory(), GripperMemory() if gripper is not None else None

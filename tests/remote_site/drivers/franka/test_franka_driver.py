@@ -7,7 +7,7 @@ import pytest
 
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
-from remote_site.drivers.conformance.suite import CHECKS
+from remote_site.drivers.conformance.checks import CHECKS
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.franka.robot_limits import FR3
 from remote_site.drivers.franka.robot_port import LinkLostError, MotionAbortedError, RobotRefusedError, UnreachableError

@@ -7,8 +7,8 @@ from contextlib import suppress
 import numpy as np
 import pytest
 
-from common.host_clock import MonotonicClock
 from common.errors import DriverError
+from common.host_clock import MonotonicClock
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.position_arm.arm import PositionArm, PositionArmWithGripper

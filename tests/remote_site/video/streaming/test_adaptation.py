@@ -5,7 +5,6 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from lab.measure.video.link import REPORT_NS, StreamRun
 from common.messages.video import (
     CameraStatus,
     Codec,
@@ -14,6 +13,7 @@ from common.messages.video import (
     ViewShown,
     ViewsShown,
 )
+from lab.measure.video.link import REPORT_NS, StreamRun
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.adaptation import LEAST_FPS, Adaptation, fair_limit
 from remote_site.video.streaming.encoding import Encoded

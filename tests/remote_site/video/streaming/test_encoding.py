@@ -6,14 +6,14 @@ import cv2
 import numpy as np
 import pytest
 
-from lab.measure.video.link import live_frame
 from common.cameras.camera import Image
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import ConfigError
 from common.messages.video import Codec, VideoFrame
 from farhand.loopback.picture_decoder import PictureDecoder
-from remote_site.video.streaming import encoding
+from lab.measure.video.link import live_frame
 from lab.stage.clock_strip import draw_clock, read_clock
+from remote_site.video.streaming import encoding
 from remote_site.video.streaming.codec_choice import CodecPreference
 from remote_site.video.streaming.encoding import KEY_FRAMES_APART_NS, PictureEncoder
 from remote_site.video.streaming.setting import StreamSetting

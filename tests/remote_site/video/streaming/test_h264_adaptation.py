@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from lab.measure.video.link import Arrival, StreamRun
 from common.messages.video import Codec
+from lab.measure.video.link import Arrival, StreamRun
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.codec_choice import RETRY_NS, CodecPreference
 from remote_site.video.streaming.encoding import Encoded

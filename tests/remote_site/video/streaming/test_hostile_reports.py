@@ -6,10 +6,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from lab.measure.video.link import StreamRun, live_frame
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.codec import decode, encode
 from common.messages.video import Codec, ViewCame, ViewShown, ViewsShown
+from lab.measure.video.link import StreamRun, live_frame
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.adaptation import Adaptation
 from remote_site.video.streaming.encoding import Encoded

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from lab.measure.video.link import StreamRun
 from common.messages.robot import VideoTrouble
+from lab.measure.video.link import StreamRun
 from remote_site.video.streaming.busy_hosts import OPERATOR_THREADS
 from tests.remote_site.video.streaming.test_adaptation import CONFIG, FULL, pictures, settings
 

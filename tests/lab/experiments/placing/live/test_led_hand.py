@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
-from lab.visual_operator.at_console.led_pose import LedPose
 from lab.experiments.placing.live.led_hand import LedHand, LedPoseHistory
 from lab.experiments.placing.live.led_local import film_led
+from lab.visual_operator.at_console.led_pose import LedPose
 from local_site.simulation.config import MotionConfig, PictureConfig, SimulationConfig, StereoConfig
 from local_site.tracking.choice import TrackingConfig
 

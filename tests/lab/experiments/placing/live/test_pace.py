@@ -3,14 +3,14 @@
 import pytest
 from msgspec.structs import replace
 
-from lab.measure.page import scene
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.hand import TrackingStatus
 from common.messages.robot import LoopTiming, Obeyed, SessionState
+from farhand.loopback.recorder import Record
 from lab.experiments.placing.judge import Placed
 from lab.experiments.placing.live.judgement import TrialJudgement
 from lab.experiments.placing.live.pace import LOST_TIME, live_result
-from farhand.loopback.recorder import Record
+from lab.measure.page import scene
 from lab.visual_operator.at_console.sitting import SittingNotes
 from lab.visual_operator.operator import Notes
 
