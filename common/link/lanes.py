@@ -5,7 +5,7 @@ not acknowledged: less than hand samples need over a long way. Each lane has a w
 of a sample that comes by any of them counts.
 
 A lost packet also holds up what the link's own connection carries for two or three samples. With one copy of each in
-lanes, 5 % of lost packets took two samples running every four minutes, which holds the arm; with two copies, every day.
+lanes, 5 % of lost packets took two samples running about every four minutes, which holds the arm; so there are two.
 """
 
 from collections import deque

@@ -29,7 +29,10 @@ FORMAT = "<3B3b"
 
 
 def pack_covariance(covariance: Numbers) -> bytes:
-    """Of xx, xy, xz, yy, yz, zz in m²; MessageError where it is not finite or a variance is negative."""
+    """Of xx, xy, xz, yy, yz, zz in m²: three standard deviations on a logarithmic scale, three correlations.
+
+    MessageError where it is not finite or a variance is negative.
+    """
     xx, xy, xz, yy, yz, zz = covariance
     if not all(map(math.isfinite, covariance)):
         raise MessageError("not_finite", "a covariance is not finite")

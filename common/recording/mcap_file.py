@@ -18,7 +18,10 @@ SHOWN_NAME = 80
 
 
 class TakenTopics:
-    """As many topics as MOST_TOPICS_BYTES describe, the first that come; the log says the first that is left out."""
+    """As many topics as MOST_TOPICS_BYTES describe, the first that come; the log says the first that is left out.
+
+    Without a list of operators anybody on a host could invent names without end.
+    """
 
     def __init__(self, file: Path) -> None:
         self._file = file

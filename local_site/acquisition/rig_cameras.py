@@ -45,7 +45,7 @@ class RecordingStart:
 
 
 class PacedRecording:
-    """One camera's recording."""
+    """A recording in the place of a live camera: its frames come at their own pace, stamped by this host's clock."""
 
     def __init__(self, recording: Camera, start: RecordingStart) -> None:
         self._recording, self._start = recording, start

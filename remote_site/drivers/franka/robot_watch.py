@@ -12,7 +12,13 @@ LEAP_NS = 20 * NS_PER_MS  # of one state's time beyond all that came before it: 
 
 
 class RobotTime:
-    """Follows the offset between both clocks: the least of this span of time and of the one before it."""
+    """Follows the offset between both clocks: the least of this span of time and of the one before it.
+
+    The robot counts its own time in ms. A state cannot arrive before it was measured, so the least difference between
+    arrival and the robot's time, over the last tenth of a second, is where its zero lies by the host's clock: late by
+    the quickest transit, a fraction of a ms on a cable. The span is short because two clocks differ in rate, and a
+    simulator's may stand still now and then.
+    """
 
     def __init__(self) -> None:
         self._before_ns: int | None = None
