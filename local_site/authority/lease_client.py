@@ -126,7 +126,7 @@ class Authority:
         except RefusedError as error:
             tell_by_tls(self._link, self._cell, self._policy.operator, str(error))
             self._refused = error
-        except TransportError:
+        except Exception:
             if not self._stop.is_set():  # else the link is closed already: the remote site did not answer in time
                 raise
 
