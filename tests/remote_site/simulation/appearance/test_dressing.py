@@ -25,6 +25,7 @@ def bare():
     return built(dressed=False)
 
 
+@pytest.mark.slow
 def test_the_same_cell_looks_the_same_in_every_process(dressed):
     again = built(dressed=True)
     assert (again.model.tex_data == dressed.model.tex_data).all()
