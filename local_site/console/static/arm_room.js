@@ -1,23 +1,31 @@
 // The 3D view: when the arm is drawn, from where, and the words below it.
+/** @import { Cell, Robot, Vector } from "../model/messages.d.ts" */
+/** @import { Limited, Tone } from "./arm_drawing.js" */
 import { ArmDrawing } from "./arm_drawing.js";
+import { element, tagged } from "./elements.js";
 import { limitWords } from "./joint_limits.js";
-import { frames, origin } from "./kinematics.js";
+import { frames, origin, toolOf } from "./kinematics.js";
 import { Orbit } from "./orbit.js";
 import { LastDrawn, sized, tones } from "./surface.js";
 import { READ_MS, put } from "./words.js";
 
 const STEP = 0.001; // rad and m: less is not seen
+/** @type {(keyof Tone)[]} */
 const TONES = ["measured", "commanded", "target", "box", "edge", "holding", "fault", "panel", "text"];
 
 export class ArmRoom {
-  #canvas = document.getElementById("arm");
-  #words = document.getElementById("arm-words");
-  #context = this.#canvas.getContext("2d");
+  #canvas = tagged("canvas", "arm");
+  #words = element("arm-words");
+  #context = /** @type {CanvasRenderingContext2D} */ (this.#canvas.getContext("2d"));
   #orbit = new Orbit(this.#canvas, () => this.#ask());
   #drawing = new ArmDrawing();
+  /** @type {Cell | null} */
   #cell = null;
+  /** @type {Robot | null} */
   #robot = null;
+  /** @type {Limited} */
   #limit = { name: null, wanted: null };
+  /** @type {number | null} */
   #asked = null;
   #describedMs = -Infinity;
   #last = new LastDrawn(STEP);
@@ -31,12 +39,14 @@ export class ArmRoom {
     this.#ask();
   }
 
+  /** @type {(cell: Cell) => void} */
   describe(cell) {
     this.#cell = cell;
     this.#orbit.show(cell.workspace_min, cell.workspace_max);
     this.#ask();
   }
 
+  /** @type {(robot: Robot | null) => void} */
   show(robot) {
     this.#robot = robot;
   }
@@ -45,17 +55,19 @@ export class ArmRoom {
   refresh() {
     if (document.hidden) return;
     const robot = this.#shown;
-    if (robot !== null && performance.now() - this.#describedMs >= READ_MS) this.#describe(robot);
+    if (this.#cell !== null && robot !== null && performance.now() - this.#describedMs >= READ_MS) this.#describe(this.#cell, robot);
     const limit = this.#limit.name === null ? null : this.#limit;
     if (this.#last.differs(robot === null ? null : seenOf(robot), limit)) this.#draw();
   }
 
-  /** The name of the limit that keeps the arm from following, null while none does. */
+  /** The name of the limit that keeps the arm from following, null while none does.
+   * @type {(name: string | null) => void} */
   showLimit(name) {
     this.#limit = { ...this.#limit, name };
   }
 
-  /** Where the hand wants the tool (m), null where that is not known. */
+  /** Where the hand wants the tool (m), null where that is not known.
+   * @type {(wanted: Vector | null) => void} */
   want(wanted) {
     this.#limit = { ...this.#limit, wanted };
   }
@@ -72,10 +84,11 @@ export class ArmRoom {
     });
   }
 
-  #describe(robot) {
+  /** @type {(cell: Cell, robot: Robot) => void} */
+  #describe(cell, robot) {
     this.#describedMs = performance.now();
-    const tool = origin(frames(this.#cell, robot.q).at(-1));
-    const words = [limitWords(this.#cell, robot.q), `tool at ${tool.map((v) => (v * 1000).toFixed(0)).join(", ")} mm`];
+    const tool = origin(toolOf(frames(cell, robot.q)));
+    const words = [limitWords(cell, robot.q), `tool at ${tool.map((v) => (v * 1000).toFixed(0)).join(", ")} mm`];
     if (robot.min_distance !== null) words.push(`nearest obstacle ${(robot.min_distance * 1000).toFixed(0)} mm`);
     if (robot.silent) words.push("last state received: the remote site is silent");
     put(this.#words, words.filter(Boolean).join(" · "));
@@ -89,7 +102,8 @@ export class ArmRoom {
   }
 }
 
-/** What the drawing shows of a robot. */
+/** What the drawing shows of a robot.
+ * @type {(robot: Robot) => unknown} */
 function seenOf({ q, q_commanded, target, silent, gripper }) {
   return { q, q_commanded, target, silent, opening: gripper && gripper.opening };
 }

@@ -1,5 +1,9 @@
 // Where pictures, side and strip lie in the room below the bar, so that all of it is used; boxes in pixels; pure.
+/** @import { Area, Mosaic } from "./mosaic.js" */
 import { area, mosaics, mosaicsAround, picture } from "./mosaic.js";
+
+/** @typedef {{ width: number, height: number }} Size */
+/** @typedef {{ views: Area[], side: Area, strip: Area | null, words?: Area }} Arrangement */
 
 // The least that each needs, in multiples of the page's letters.
 const SIDE_WIDE = 23.5;
@@ -14,6 +18,7 @@ const LARGE_COUNTS = 2; // the view that the operator has chosen, against all ot
 /**
  * The best arrangement of views of these shapes: `views` are their boxes in the order given, `side` that of the side, `strip` that of the arm and the operator's
  * own views, null where they are in the side. `large` is the number of the view that is to be the largest, null without one.
+ * @type {(aspects: number[], large: number | null, room: Size, letter: number) => Arrangement}
  */
 export function arranged(aspects, large, room, letter) {
   if (aspects.length === 0) return withoutViews(room, letter);
@@ -24,7 +29,8 @@ export function arranged(aspects, large, room, letter) {
   return { ...best, views: inTurn(best.views, order) };
 }
 
-/** On a page that scrolls: the boxes of the views over its whole width, no higher together than `most`, where that can be. */
+/** On a page that scrolls: the boxes of the views over its whole width, no higher together than `most`, where that can be.
+ * @type {(aspects: number[], large: number | null, width: number, most: number) => { views: Area[], height: number }} */
 export function stacked(aspects, large, width, most) {
   if (aspects.length === 0) return { views: [], height: 0 };
   const { order, shapes } = ordered(aspects, large);
@@ -37,27 +43,32 @@ export function stacked(aspects, large, width, most) {
   return { views: inTurn(best, order), height: Math.max(...best.map(({ top, height }) => top + height)) };
 }
 
-/** The numbers of the views with the large one first, and their shapes. */
+/** The numbers of the views with the large one first, and their shapes.
+ * @type {(aspects: number[], large: number | null) => { order: number[], shapes: number[] }} */
 function ordered(aspects, large) {
   const order = aspects.map((_, k) => k);
   if (large !== null) order.unshift(...order.splice(large, 1));
   return { order, shapes: order.map((k) => aspects[k]) };
 }
 
+/** @type {(boxes: Area[], order: number[]) => Area[]} */
 function inTurn(boxes, order) {
+  /** @type {Area[]} */
   const views = [];
   order.forEach((view, k) => (views[view] = boxes[k]));
   return views;
 }
 
-/** How good boxes are: a view that is twice as large in place of one that is half as large gains nothing. */
+/** How good boxes are: a view that is twice as large in place of one that is half as large gains nothing.
+ * @type {(boxes: Area[], isLarge: boolean) => number} */
 function worth(boxes, isLarge) {
   const [first, ...others] = boxes.map((box) => Math.log(area(box)));
   const rest = others.reduce((total, value) => total + value, 0);
   return isLarge ? LARGE_COUNTS * first + rest / Math.max(1, others.length) : first + rest;
 }
 
-/** Mosaics as high as the room, or over the strip, or as wide as the room over side and strip. */
+/** Mosaics as high as the room, or over the strip, or as wide as the room over side and strip.
+ * @type {(found: Mosaic[], room: Size, letter: number) => Arrangement[]} */
 function overStrip(found, room, letter) {
   return found.flatMap((mosaic) => {
     const besides = withSide(mosaic, widthOver(mosaic.aspect, room, letter), room);
@@ -65,26 +76,30 @@ function overStrip(found, room, letter) {
   });
 }
 
-/** How wide pictures of this shape can be beside the side: as high as the room, or else with place for the strip below them. */
+/** How wide pictures of this shape can be beside the side: as high as the room, or else with place for the strip below them.
+ * @type {(aspect: number, room: Size, letter: number) => number} */
 function widthOver(aspect, { width, height }, letter) {
   const widest = width - SIDE_WIDE * letter;
   return aspect * height <= widest ? aspect * height : Math.min(widest, aspect * Math.max(1, height - STRIP_HIGH * letter));
 }
 
-/** A mosaic of this width beside the side, and the strip below it where it is less high than the room. */
+/** A mosaic of this width beside the side, and the strip below it where it is less high than the room.
+ * @type {(mosaic: Mosaic, wide: number, room: Size) => Arrangement} */
 function withSide(mosaic, wide, { width, height }) {
   const high = wide / mosaic.aspect;
   const strip = height - high < 1 ? null : { left: 0, top: high, width: wide, height: height - high };
   return { views: placed(mosaic, { left: 0, top: 0, width: wide, height: high }), side: { left: wide, top: 0, width: width - wide, height }, strip };
 }
 
+/** @type {(mosaic: Mosaic, room: Size) => Arrangement} */
 function withFoot(mosaic, { width, height }) {
   const [top, wide] = [width / mosaic.aspect, FOOT_SIDE * width];
   const side = { left: 0, top, width: wide, height: height - top };
   return { views: placed(mosaic, { left: 0, top: 0, width, height: top }), side, strip: { ...side, left: wide, width: width - wide } };
 }
 
-/** The first picture as large as the room allows, the others in the side's column over the side. */
+/** The first picture as large as the room allows, the others in the side's column over the side.
+ * @type {(aspects: number[], room: Size, letter: number) => Arrangement[]} */
 function apart([first, ...others], room, letter) {
   if (others.length === 0) return [];
   const { views, side, strip } = withSide(picture(first), widthOver(first, room, letter), room);
@@ -96,19 +111,22 @@ function apart([first, ...others], room, letter) {
     .map(({ boxes, high }) => ({ views: [...views, ...boxes], side: { ...side, top: high, height: room.height - high }, strip }));
 }
 
-/** Words where the pictures would be, and the strip as large as the room. */
+/** Words where the pictures would be, and the strip as large as the room.
+ * @type {(room: Size, letter: number) => Arrangement} */
 function withoutViews({ width, height }, letter) {
   const { side, words } = waiting({ width, height }, letter);
   const high = WORDS_HIGH * letter;
   return { views: [], side, words: { ...words, height: high }, strip: { ...words, top: high, height: height - high } };
 }
 
-/** Words over all the room of the pictures, which nobody knows yet. */
+/** Words over all the room of the pictures, which nobody knows yet.
+ * @type {(room: Size, letter: number) => Arrangement & { words: Area }} */
 export function waiting({ width, height }, letter) {
   const wide = width - Math.min(0.4 * width, 1.6 * SIDE_WIDE * letter);
   return { views: [], side: { left: wide, top: 0, width: width - wide, height }, strip: null, words: { left: 0, top: 0, width: wide, height } };
 }
 
+/** @type {(mosaic: Mosaic, whole: Area) => Area[]} */
 function placed({ boxes }, whole) {
   return boxes.map(({ left, top, width, height }) => ({
     left: whole.left + left * whole.width,

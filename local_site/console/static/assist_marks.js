@@ -1,4 +1,5 @@
 // What the assist offers, over a calibrated camera's picture: the marker's border, and the gripper where it would be.
+/** @import { Assist, AssistTarget, CalibratedCamera, Pose, Vector } from "../model/messages.d.ts" */
 import { fromPose, inverse } from "./kinematics.js";
 import { clipped, fitted, moved, projected } from "./projection.js";
 import { LastDrawn, sized } from "./surface.js";
@@ -15,26 +16,29 @@ export class AssistMarks {
   #camera;
   #last = new LastDrawn(STEP_PX);
 
-  /** Draws on a canvas over a picture; `camera` is its description by the cell. */
+  /** Draws on a canvas over a picture; `camera` is its description by the cell.
+   * @param {HTMLCanvasElement} canvas @param {CalibratedCamera} camera */
   constructor(canvas, camera) {
     this.#canvas = canvas;
-    this.#context = canvas.getContext("2d");
+    this.#context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     this.#camera = camera;
   }
 
-  /** `toolThen` is the measured tool when the picture was taken: a camera on the tool saw the cell from there. */
+  /** `toolThen` is the measured tool when the picture was taken: a camera on the tool saw the cell from there.
+   * @type {(assist: Pick<Assist, "phase"> & { target: AssistTarget }, toolThen: Pose | null) => void} */
   draw({ phase, target }, toolThen) {
-    if (this.#camera.calibration.on_tool && toolThen === null) {
+    const { projection, on_tool } = this.#camera.calibration;
+    if (on_tool && toolThen === null) {
       this.clear();
       return;
     }
     const { width, height } = sized(this.#canvas, this.#context);
-    const seen_T_base = this.#camera.calibration.on_tool ? inverse(fromPose(toolThen)) : null;
-    const lines = outline(target).map((line) => line.map((point) => projected(this.#camera.calibration.projection, moved(seen_T_base, point))));
+    const seen_T_base = on_tool && toolThen !== null ? inverse(fromPose(toolThen)) : null;
+    const lines = outline(target).map((line) => line.map((point) => projected(projection, moved(seen_T_base, point))));
     const shown = lines.map(clipped).filter((line) => line !== null);
     if (!this.#last.differs(phase, shown, width, height, devicePixelRatio)) return;
     this.#erase();
-    for (const [tone, thick] of [[DARK, 5], [TONES[phase], 2]]) {
+    for (const { tone, thick } of [{ tone: DARK, thick: 5 }, { tone: TONES[phase], thick: 2 }]) {
       this.#context.strokeStyle = tone;
       this.#context.lineWidth = thick;
       this.#context.lineCap = "round";
@@ -57,7 +61,8 @@ export class AssistMarks {
   }
 }
 
-/** The lines between points of the base's frame: the marker's border, and the gripper at the target. */
+/** The lines between points of the base's frame: the marker's border, and the gripper at the target.
+ * @type {(target: AssistTarget) => Vector[][]} */
 export function outline({ base_T_marker, size, base_T_tool }) {
   const half = size / 2;
   const corners = [[-half, half], [half, half], [half, -half], [-half, -half]];
@@ -67,6 +72,7 @@ export function outline({ base_T_marker, size, base_T_tool }) {
   return [...chain([...border, border[0]]), ...chain(fingers), ...chain(wrist)];
 }
 
+/** @type {(points: Vector[]) => Vector[][]} */
 function chain(points) {
   return points.slice(1).map((point, k) => [points[k], point]);
 }

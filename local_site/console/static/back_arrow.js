@@ -1,15 +1,20 @@
 // At a limit, an arrow from the tool to where the hand gets back from it, or the limit's name; on pictures and in the 3D view.
+/** @import { Vector } from "../model/messages.d.ts" */
 import { letter } from "./letters.js";
 import { hasWayBack } from "./limits.js";
 import { wayBack } from "./way_back.js";
 
+/** @typedef {(point: Vector) => number[] | null} Where */
+
 const LONG_M = 0.09;
 const HEAD = 0.93; // in letters, as the widths below
+/** @type {[string, number][]} */
 const TONES = [["#000000c0", 0.64], ["#f5b935", 0.36]];
 
 /**
  * Draw the way back from the limit of this name, as the next step has it in words: an arrow to the limit would be read as where to go.
  * `project` gives the canvas's pixel of a point in the base's frame, null where it is not seen.
+ * @type {(context: CanvasRenderingContext2D, project: Where, tool: Vector, wanted: Vector | null, name: string) => void}
  */
 export function drawBack(context, project, tool, wanted, name) {
   const at = project(tool);
@@ -20,24 +25,27 @@ export function drawBack(context, project, tool, wanted, name) {
   drawWords(context, tip ?? at, tip === null ? name : "back");
 }
 
+/** @type {(context: CanvasRenderingContext2D, from: number[], to: number[]) => void} */
 function drawArrow(context, from, to) {
   const angle = Math.atan2(to[1] - from[1], to[0] - from[0]);
   const head = HEAD * letter();
+  /** @type {(turn: number) => [number, number]} */
   const barb = (turn) => [to[0] - head * Math.cos(angle + turn), to[1] - head * Math.sin(angle + turn)];
   context.lineCap = context.lineJoin = "round";
   for (const [tone, width] of TONES) {
     context.strokeStyle = tone;
     context.lineWidth = width * letter();
     context.beginPath();
-    context.moveTo(...from);
-    context.lineTo(...to);
+    context.moveTo(from[0], from[1]);
+    context.lineTo(to[0], to[1]);
     context.moveTo(...barb(0.6));
-    context.lineTo(...to);
+    context.lineTo(to[0], to[1]);
     context.lineTo(...barb(-0.6));
     context.stroke();
   }
 }
 
+/** @type {(context: CanvasRenderingContext2D, at: number[], words: string) => void} */
 function drawWords(context, [x, y], words) {
   const em = letter();
   context.textAlign = "left";

@@ -1,4 +1,6 @@
 // What the arm does, as the page says it at a glance: one condition with its tone, word, second line and sentence; pure.
+/** @import { Lease, Robot, Settings, Situation } from "../model/messages.d.ts" */
+/** @import { Halt, Whose } from "./halt_words.js" */
 import { EMERGENCY } from "./emergency.js";
 import { ageWords } from "./freshness.js";
 import { haltOf, haltSentence } from "./halt_words.js";
@@ -6,6 +8,11 @@ import { distance, turnedBy } from "./kinematics.js";
 import { limitOf, limitWords } from "./limits.js";
 import { handTrouble } from "./link_line.js";
 
+/** @typedef {{ lost: string, none: (remote: string) => string, noneWord: string, silent: (age: string) => string, unheard: string }} Said */
+/** @typedef {{ name: string, tone: string, word: string, second?: string, sentence: string, limit?: string, halt?: Halt }} Condition */
+/** @typedef {Situation & { robot: Robot }} Live where a state has come */
+
+/** @type {Said} */
 const LIVE = {
   lost: `the console does not answer, and nothing that you press reaches the arm: if it moves, ${EMERGENCY}`,
   none: (remote) => `nothing has come from the remote site${remote ? ` at ${remote}` : ""} yet`,
@@ -13,6 +20,7 @@ const LIVE = {
   silent: (age) => `the remote site has been silent for ${age}`,
   unheard: "the arm may still move",
 };
+/** @type {Said} */
 const RECORDED = {
   lost: "the program that replays does not answer",
   none: () => "no state is recorded up to here",
@@ -25,46 +33,53 @@ const RECORDED = {
 const BEHIND_M = 0.06;
 const BEHIND_DEG = 20;
 
-/** The words for what is missing: a page that shows a recording has others. */
+/** The words for what is missing: a page that shows a recording has others.
+ * @type {(isReplay: boolean) => Said} */
 export const saidOf = (isReplay) => (isReplay ? RECORDED : LIVE);
 
+/** @type {(said: Said) => Condition} */
 export const lostCondition = (said) => ({ name: "lost", tone: "fault", word: "no connection", sentence: said.lost });
 
 /** The condition of the newest situation. `whose` is this page's number, its `operator` and the `remote` site's address. A `second` line
  * says more about the word, where there is more; `limit` is the name of the one that holds the arm back, `halt` who has stopped it and
- * what has failed. Before anything has come nothing is wrong. */
+ * what has failed. Before anything has come nothing is wrong.
+ * @type {(situation: Situation, whose: Whose, said: Said) => Condition} */
 export function conditionOf(situation, whose, said) {
   const { operator, remote } = whose;
   const { robot } = situation;
   if (robot === null) return { name: "none", tone: "idle", word: said.noneWord, sentence: said.none(remote) };
   if (robot.silent) return silent(robot, said);
-  if (robot.state === "fault") return halted("fault", situation, whose);
-  if (robot.readiness.code === "stopped") return halted("stopped", situation, whose);
-  if (isAnothers(robot.lease, operator)) return another(robot);
-  return { ...session(robot), sentence: sentenceOf(situation) };
+  if (robot.state === "fault") return halted("fault", robot, situation, whose);
+  if (robot.readiness.code === "stopped") return halted("stopped", robot, situation, whose);
+  if (robot.lease !== null && isAnothers(robot.lease, operator)) return another(robot, robot.lease);
+  return { ...session(robot), sentence: sentenceOf(robot, situation) };
 }
 
-/** Whether somebody else may operate; without a hand from the local site its session is not known, but the name is. */
+/** Whether somebody else may operate; without a hand from the local site its session is not known, but the name is.
+ * @type {(lease: Lease | null, operator: string) => boolean} */
 export function isAnothers(lease, operator) {
   return lease !== null && !lease.ours && (lease.holder !== operator || lease.local_known);
 }
 
-function halted(name, { robot, stopper }, whose) {
+/** @type {(name: string, robot: Robot, situation: Situation, whose: Whose) => Condition} */
+function halted(name, robot, { stopper }, whose) {
   const halt = haltOf(robot.reason, whose, stopper);
   return { name, tone: "fault", word: name, second: "the arm does not follow", sentence: haltSentence(halt), halt };
 }
 
+/** @type {(robot: Robot, said: Said) => Condition} */
 function silent(robot, said) {
   if (robot.code === "site_ended") return { name: "silent", tone: "fault", word: "ended", sentence: robot.reason };
   return { name: "silent", tone: "fault", word: "silent", second: said.unheard, sentence: said.silent(ageWords(robot.heard_ms)) };
 }
 
-function another(robot) {
-  const { holder, words } = robot.lease;
+/** @type {(robot: Robot, lease: Lease) => Condition} */
+function another(robot, { holder, words }) {
   const doing = robot.state === "engaged" ? `the arm follows the hand of ${words}` : `the arm rests, and is ${words}'s to move`;
   return { name: "other", tone: "other", word: `${holder} operates`, sentence: `${doing}; your hand moves nothing` };
 }
 
+/** @type {(robot: Robot) => Omit<Condition, "sentence">} */
 function session(robot) {
   if (robot.state === "holding" && robot.code.startsWith("clutch")) return { name: "clutched", tone: "holding", word: "clutched" };
   if (robot.state === "holding") return { name: "holding", tone: "holding", word: "holding" };
@@ -76,21 +91,24 @@ function session(robot) {
   return { name: "engaged", tone: "engaged", word: "engaged" };
 }
 
-/** How far the tool is from where the hand sends it, empty where that is near. */
+/** How far the tool is from where the hand sends it, empty where that is near.
+ * @type {(robot: Robot) => string} */
 function behindWords({ target, base_T_tool: tool }) {
   if (target === null) return "";
   const [away, turned] = [distance(target.position, tool.position), turnedBy(target.orientation, tool.orientation)];
   return away > BEHIND_M || turned > BEHIND_DEG ? `the tool is ${(1000 * away).toFixed(0)} mm and ${turned.toFixed(0)}° from its target` : "";
 }
 
-/** Which motions of the hand are not copied. */
+/** Which motions of the hand are not copied.
+ * @type {(settings: Settings | null) => string} */
 function lockWords(settings) {
   const locked = Object.entries(settings?.locks ?? {}).filter(([, on]) => on).map(([axis]) => axis);
   return locked.length > 0 ? `locked: ${locked.join(", ")}` : "";
 }
 
-/** Why it is so: what the arm's own causes are. What is wrong with a picture stands on the picture. */
-function sentenceOf({ robot, settings, unanswered, clock }) {
+/** Why it is so: what the arm's own causes are. What is wrong with a picture stands on the picture.
+ * @type {(robot: Robot, situation: Situation) => string} */
+function sentenceOf(robot, { settings, unanswered, clock }) {
   const before = unanswered === null ? [] : [`the remote site has started again, and knows nothing of this any more: ${unanswered}`];
   const missing = robot.state === "disengaged" && robot.readiness.reason !== robot.reason ? [robot.readiness.reason] : [];
   const behind = limitOf(robot.code) === null ? behindWords(robot) : ""; // a limit has a figure of its own

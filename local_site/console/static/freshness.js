@@ -1,12 +1,18 @@
 // The mark of a picture: live only if it is recent and its camera is reported live; pure.
+/** @import { PictureHeader } from "../model/messages.d.ts" */
+
+/** @typedef {{ mark: string, title: string, words: string, ageMs: number | null, isOld: boolean, isLate: boolean }} Judged */
+/** @typedef {Pick<PictureHeader, "status" | "reason">} Status */
+
 export const OLD_MS = 300;
 
 /**
  * Mark, words and age of a view, and whether it is old or late now: its newest picture's exposure, its camera's last reported status, and the time, in ms.
  * Where it `wasLate` a moment ago it still counts as old: a mark that comes and goes is not read.
+ * @type {(newest: { captureMs: number | null, unsureMs: number } | null, status: Status | null, nowMs: number | null, wasLate: boolean) => Judged}
  */
 export function judge(newest, status, nowMs, wasLate) {
-  if (newest === null) {
+  if (newest === null || status === null) {
     const title = status?.status === "missing" ? "no picture" : "no picture yet";
     return { mark: "none", title, words: status?.reason ?? "", ageMs: null, isOld: true, isLate: false };
   }
@@ -23,7 +29,8 @@ export function judge(newest, status, nowMs, wasLate) {
   return { mark: "live", title: "live", words: "", ageMs, isOld, isLate };
 }
 
-/** An age as a person reads it. */
+/** An age as a person reads it.
+ * @type {(ms: number) => string} */
 export function ageWords(ms) {
   return ms < 1000 ? `${Math.round(Math.max(0, ms))} ms` : `${(ms / 1000).toFixed(1)} s`;
 }

@@ -3,8 +3,10 @@ const SPS = 7;
 const PPS = 8;
 const TYPE = 0x1f;
 
-/** The sequence and picture parameter sets at the beginning of a key frame, in the order in which they come. */
+/** The sequence and picture parameter sets at the beginning of a key frame, in the order in which they come.
+ * @type {(data: Uint8Array) => Uint8Array[]} */
 export function parameterSets(data) {
+  /** @type {number[]} */
   const starts = [];
   for (let k = 0; k + 3 < data.length; k++) {
     if (data[k] === 0 && data[k + 1] === 0 && data[k + 2] === 1) {
@@ -16,7 +18,8 @@ export function parameterSets(data) {
   return starts.slice(0, -1).map((start, k) => data.slice(start, starts[k + 1] - 3)).filter((unit) => [SPS, PPS].includes(unit[0] & TYPE));
 }
 
-/** The codec's name for the browser, from profile, constraints and level in the first parameter set (RFC 6381). */
+/** The codec's name for the browser, from profile, constraints and level in the first parameter set (RFC 6381).
+ * @type {(sets: Uint8Array[]) => string} */
 export function codecString([sps]) {
   return `avc1.${[...sps.slice(1, 4)].map((byte) => byte.toString(16).padStart(2, "0")).join("")}`;
 }

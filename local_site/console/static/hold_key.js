@@ -9,7 +9,8 @@ export class HoldKey {
   #code;
   #changed;
 
-  /** `code` is that of a KeyboardEvent; `changed` is called whenever the key goes down or up. */
+  /** `code` is that of a KeyboardEvent; `changed` is called whenever the key goes down or up.
+   * @param {HTMLButtonElement} button @param {string} code @param {() => void} changed */
   constructor(button, code, changed) {
     this.#button = button;
     this.#code = code;
@@ -31,6 +32,7 @@ export class HoldKey {
     this.#set(false, true);
   }
 
+  /** @type {(event: KeyboardEvent, down: boolean) => void} */
   #key(event, down) {
     if (event.code !== this.#code) return;
     if (down && (event.ctrlKey || event.altKey || event.metaKey)) return;
@@ -39,11 +41,12 @@ export class HoldKey {
     if (!event.repeat && (!down || canPress(this.#button))) this.#set(down);
   }
 
+  /** @type {(down: boolean, isUnseen?: boolean) => void} */
   #set(down, isUnseen = false) {
     if (this.down === down) return;
     this.down = down;
     this.isUnseen = isUnseen;
-    this.#button.setAttribute("aria-pressed", down);
+    this.#button.setAttribute("aria-pressed", String(down));
     this.#changed();
   }
 }

@@ -1,9 +1,14 @@
 // Latencies: a graph of the last minute, the figures beside it, and the stages of one sample.
+/** @import { Figures, Interval, Situation, Trace } from "../model/messages.d.ts" */
+import { element, tagged } from "./elements.js";
 import { letter } from "./letters.js";
 import { sized, tones } from "./surface.js";
 import { put } from "./words.js";
 
+/** @typedef {[number, number | null]} Point time and value, null where there is none */
+
 const MINUTE_MS = 60_000;
+/** @type {Record<Interval, [string, string]>} */
 const INTERVALS = {
   command: ["exposure → command", "accent"],
   motion: ["command → motion", "commanded"],
@@ -13,23 +18,33 @@ const INTERVALS = {
   round_trip: ["round trip", "idle"],
   uncertainty: ["clock uncertainty", "fault"],
 };
-const STAGES = { command: "command", motion: "robot", encoder: "encoder", exposed: "picture taken", shown: "painted" };
-const STAGE_TONES = ["accent", "commanded", "encoder", "idle", "engaged"];
+/** @type {[Exclude<keyof Trace, "seq">, word: string, tone: string][]} */
+const STAGES = [
+  ["command_ms", "command", "accent"],
+  ["motion_ms", "robot", "commanded"],
+  ["encoder_ms", "encoder", "encoder"],
+  ["exposed_ms", "picture taken", "idle"],
+  ["shown_ms", "painted", "engaged"],
+];
 
 export class LatencyRoom {
-  #canvas = document.getElementById("latency");
-  #context = this.#canvas.getContext("2d");
-  #trace = document.getElementById("trace");
-  #bar = document.getElementById("trace-bar");
+  #canvas = tagged("canvas", "latency");
+  #context = /** @type {CanvasRenderingContext2D} */ (this.#canvas.getContext("2d"));
+  #trace = element("trace");
+  #bar = element("trace-bar");
+  /** @type {Map<string, HTMLElement[]>} */
   #cells = new Map();
+  /** @type {Map<string, Point[]>} */
   #points = new Map(Object.keys(INTERVALS).map((name) => [name, []]));
+  /** @type {number[]} */
   #highest = [];
 
   constructor() {
-    const body = document.getElementById("latency-figures");
+    const body = element("latency-figures");
     for (const [name, [label, tone]] of Object.entries(INTERVALS)) body.append(this.#row(name, label, tone));
   }
 
+  /** @type {(name: string, label: string, tone: string) => HTMLElement} */
   #row(name, label, tone) {
     const row = document.createElement("tr");
     const head = document.createElement("th");
@@ -43,6 +58,7 @@ export class LatencyRoom {
     return row;
   }
 
+  /** @type {(situation: Situation) => void} */
   show({ now_ms: nowMs, latency, trace }) {
     for (const [name, figures] of Object.entries(latency)) this.#note(name, figures, nowMs);
     this.#highest = Object.values(latency).map((figures) => figures.p95 ?? 0); // rarer values are clipped
@@ -50,23 +66,29 @@ export class LatencyRoom {
     if (trace !== null) this.#follow(trace);
   }
 
+  /** @type {(name: string, figures: Figures, nowMs: number) => void} */
   #note(name, figures, nowMs) {
-    this.#cells.get(name).forEach((cell, k) => {
+    this.#cells.get(name)?.forEach((cell, k) => {
       const value = [figures.newest, figures.p50, figures.p95][k];
       put(cell, value === null ? "–" : value.toFixed(value < 10 ? 1 : 0));
     });
-    const points = this.#points.get(name);
+    const points = this.#points.get(name) ?? [];
     points.push([nowMs, figures.newest]);
     while (points[0][0] < nowMs - MINUTE_MS) points.shift();
   }
 
+  /** @type {(trace: Trace) => void} */
   #follow(trace) {
     put(this.#trace, traceWords(trace));
-    const ends = Object.keys(STAGES).map((name) => trace[`${name}_ms`]);
-    if (this.#bar.children.length === 0) this.#bar.append(...STAGE_TONES.map(barSegment));
-    ends.forEach((end, k) => this.#bar.children[k].style.setProperty("flex-grow", Math.max(0, end - (ends[k - 1] ?? 0))));
+    const ends = STAGES.map(([name]) => trace[name]);
+    if (this.#bar.children.length === 0) this.#bar.append(...STAGES.map(([, , tone]) => barSegment(tone)));
+    ends.forEach((end, k) => {
+      const segment = /** @type {HTMLElement} */ (this.#bar.children[k]);
+      segment.style.setProperty("flex-grow", String(Math.max(0, end - (ends[k - 1] ?? 0))));
+    });
   }
 
+  /** @type {(nowMs: number) => void} */
   #draw(nowMs) {
     const { width, height } = sized(this.#canvas, this.#context);
     if (width === 0) return; // folded away
@@ -75,12 +97,13 @@ export class LatencyRoom {
     this.#context.clearRect(0, 0, width, height);
     this.#scale(width, height, most, tone);
     for (const [name, [, colour]] of Object.entries(INTERVALS)) {
-      this.#line(this.#points.get(name), ([t, value]) => [
+      this.#line(this.#points.get(name) ?? [], (t, value) => [
         width * (1 - (nowMs - t) / MINUTE_MS), height - 2 - Math.min(1, value / most) * (height - letter()),
       ], tone[colour]);
     }
   }
 
+  /** @type {(width: number, height: number, most: number, tone: Record<string, string>) => void} */
   #scale(width, height, most, tone) {
     this.#context.fillStyle = tone.faint;
     this.#context.strokeStyle = tone.edge;
@@ -91,32 +114,36 @@ export class LatencyRoom {
     this.#context.strokeRect(0.5, top - 0.5, width - 1, height - top);
   }
 
+  /** @type {(points: Point[], toCanvas: (t: number, value: number) => [number, number], tone: string) => void} */
   #line(points, toCanvas, tone) {
     this.#context.strokeStyle = tone;
     this.#context.lineWidth = 1.5;
     this.#context.beginPath();
     let broken = true;
-    for (const point of points) {
-      if (point[1] !== null) this.#context[broken ? "moveTo" : "lineTo"](...toCanvas(point));
-      broken = point[1] === null;
+    for (const [t, value] of points) {
+      if (value !== null) this.#context[broken ? "moveTo" : "lineTo"](...toCanvas(t, value));
+      broken = value === null;
     }
     this.#context.stroke();
   }
 }
 
+/** @type {(value: number) => number} */
 function niceCeiling(value) {
   const power = 10 ** Math.floor(Math.log10(value));
-  return [1, 2, 5, 10].map((step) => step * power).find((step) => step >= value);
+  return [1, 2, 5, 10].map((step) => step * power).find((step) => step >= value) ?? value;
 }
 
+/** @type {(tone: string) => HTMLElement} */
 function barSegment(tone) {
   const segment = document.createElement("span");
   segment.style.setProperty("--tone", `var(--${tone})`);
   return segment;
 }
 
-/** One sample's path in words, each stage in ms after the hand's exposure. */
-function traceWords({ seq, ...stages }) {
-  const words = Object.entries(STAGES).map(([name, word]) => `${word} ${stages[`${name}_ms`].toFixed(0)}`);
-  return `sample ${seq}, ms after exposure: ${words.join(", ")}`;
+/** One sample's path in words, each stage in ms after the hand's exposure.
+ * @type {(trace: Trace) => string} */
+function traceWords(trace) {
+  const words = STAGES.map(([name, word]) => `${word} ${trace[name].toFixed(0)}`);
+  return `sample ${trace.seq}, ms after exposure: ${words.join(", ")}`;
 }

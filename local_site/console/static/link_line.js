@@ -1,4 +1,6 @@
 // The way of the hand samples in figures, and what is wrong with the links, as the remote site measures both.
+/** @import { Clock, HandLink, Robot } from "../model/messages.d.ts" */
+import { element } from "./elements.js";
 import { put } from "./words.js";
 
 const ONE_CLOCK_MS = 1;
@@ -9,32 +11,37 @@ const WHY = {
 };
 
 export class LinkLine {
-  #figures = document.getElementById("link");
+  #figures = element("link");
 
+  /** @type {(robot: Robot | null) => void} */
   show(robot) {
-    const known = robot !== null && !robot.silent && robot.hand_link !== null;
-    put(this.#figures, known ? `${figures(robot.hand_link)}; ${limit(robot)}` : "no samples measured yet");
+    const hand = robot === null || robot.silent ? null : robot.hand_link;
+    put(this.#figures, robot !== null && hand !== null ? `${figures(hand)}; ${limit(robot)}` : "no samples measured yet");
   }
 }
 
-/** Up to which age samples are obeyed, and how fast the arm may be in return. */
+/** Up to which age samples are obeyed, and how fast the arm may be in return.
+ * @type {(robot: Robot) => string} */
 function limit({ age_limit_ms: ageMs, speed_scale: speed }) {
   return `obeyed up to ${Math.round(ageMs)} ms, at ${Math.round(100 * speed)} % of the speed`;
 }
 
-/** Both sites are one machine where their clocks, which count from its start, are one: no link between them is narrow. Of a recording nobody knows. */
+/** Both sites are one machine where their clocks, which count from its start, are one: no link between them is narrow. Of a recording nobody knows.
+ * @type {(clock: Clock) => boolean} */
 function isOneMachine({ offset_ms: offsetMs, round_trip_ms: roundTripMs }) {
   return offsetMs !== null && roundTripMs !== null && Math.abs(offsetMs) < ONE_CLOCK_MS;
 }
 
-/** The sentence of what is wrong with the way of the hand samples, empty while nothing is. */
+/** The sentence of what is wrong with the way of the hand samples, empty while nothing is.
+ * @type {(robot: Robot, clock: Clock) => string} */
 export function handTrouble({ hand_link: hand, age_limit_ms: limitMs }, clock) {
   if (!hand?.reason) return "";
   if (!isOneMachine(clock) || hand.age_ms === null) return hand.reason;
   return `hand samples are ${Math.round(hand.age_ms)} ms old (limit ${Math.round(limitMs)} ms): this machine has too much to do`;
 }
 
-/** The same of the pictures, for the picture itself. */
+/** The same of the pictures, for the picture itself.
+ * @type {(robot: Robot, clock: Clock) => string} */
 export function pictureTrouble({ video_link: video }, clock) {
   if (!video) return "";
   const isSlowPage = video.code === "slow_page";
@@ -43,8 +50,9 @@ export function pictureTrouble({ video_link: video }, clock) {
   return `smaller or fewer pictures: ${why} (${video.carries_mbit_s.toFixed(1)} of ${video.needs_mbit_s.toFixed(0)} Mbit/s)`;
 }
 
+/** @type {(hand: HandLink) => string} */
 function figures({ age_ms: age, network_ms: network, clock_ms: clock, tracking_ms: tracking, ...link }) {
-  const parts = [network, clock, tracking].map(Math.round);
+  const parts = [network, clock, tracking].map((ms) => Math.round(ms ?? 0));
   const old = age === null ? "age unknown" : `${Math.round(age)} ms old: network ${parts[0]}, clocks ${parts[1]}, tracking ${parts[2]}`;
   return `${old}; jitter ${Math.round(link.jitter_ms)}, loss ${(100 * link.loss).toFixed(1)} %`;
 }

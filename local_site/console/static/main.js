@@ -1,10 +1,13 @@
 // Connects the page's sections: messages from the console go to each, the operator's actions go back.
+/** @import { Messages, Situation, ToolPoses } from "../model/messages.d.ts" */
+/** @import { Condition } from "./condition.js" */
 import { Alert } from "./alert.js";
 import { ArmRoom } from "./arm_room.js";
 import { AssistKey } from "./assist_key.js";
 import { Connection } from "./connection.js";
 import { Controls } from "./controls.js";
 import { DelayPanel } from "./delay_panel.js";
+import { tagged } from "./elements.js";
 import { EventList } from "./event_list.js";
 import { HoldKey } from "./hold_key.js";
 import { JointMarks } from "./joint_marks.js";
@@ -26,6 +29,7 @@ import { READ_MS, mark } from "./words.js";
 const BEAT_MS = 50;
 const LOOK_MS = 100;
 const OLD_TOOLS_MS = 300;
+/** @type {ToolPoses} */
 const NO_TOOLS = { measured: null, sent: null, wanted: null };
 
 const clock = new ServerClock();
@@ -38,9 +42,9 @@ const events = new EventList();
 const arm = new ArmRoom();
 const latency = new LatencyRoom();
 const link = new LinkLine();
-const hold = new HoldKey(document.getElementById("hold"), "Space", beat);
+const hold = new HoldKey(tagged("button", "hold"), "Space", beat);
 const assist = new AssistKey(beat);
-const clutch = new HoldKey(document.getElementById("clutch"), "KeyC", beat);
+const clutch = new HoldKey(tagged("button", "clutch"), "KeyC", beat);
 const alert = new Alert();
 const stop = new StopButton(connection, alert, () => {
   hold.release();
@@ -59,10 +63,13 @@ new RememberedToggle("type", "l", false, (isLarge) => {
   arm.repaint();
 });
 
+/** @type {ToolPoses} */
 let tools = NO_TOOLS;
 let toolsMs = -Infinity;
 let figuresMs = -Infinity;
+/** @type {Situation | null} */
 let newest = null;
+/** @type {number | null} */
 let heardMs = null; // the console's time in its newest echo: how old what the page sends is at most
 
 function beat() {
@@ -70,6 +77,7 @@ function beat() {
   connection.send({ type: "beat", page_ms: performance.now(), heard_ms: heardMs, down: hold.down, assist: assist.asked, clutch: clutched });
 }
 
+/** @type {{ [K in keyof Messages]: (message: Messages[K]) => void }} */
 const handlers = {
   hello: (message) => {
     bar.hello(message);
@@ -114,7 +122,10 @@ const handlers = {
   },
 };
 
-connection.onText = (message) => handlers[message.type](message);
+/** @type {<K extends keyof Messages>(kind: K, message: Messages[K]) => void} */
+const handle = (kind, message) => handlers[kind](message);
+
+connection.onText = (message) => handle(message.type, message);
 connection.onPicture = (bytes) => views.receive(bytes);
 connection.onChange = (open) => {
   if (open) return;
@@ -122,7 +133,8 @@ connection.onChange = (open) => {
   disconnected();
 };
 
-/** What belongs to a live cell alone: its controls, and what its operator is told to do. */
+/** What belongs to a live cell alone: its controls, and what its operator is told to do.
+ * @type {(situation: Situation, condition: Condition) => void} */
 function operate(situation, condition) {
   stop.show(situation);
   controls.show(situation);
@@ -131,6 +143,7 @@ function operate(situation, condition) {
   recording.show(situation.robot, situation.own_recording, controls.operates);
 }
 
+/** @type {(situation: Situation) => void} */
 function showFigures(situation) {
   figuresMs = performance.now();
   newest = null;
@@ -142,6 +155,7 @@ function showFigures(situation) {
   link.show(situation.robot);
 }
 
+/** @type {(newest: ToolPoses) => void} */
 function showTools(newest) {
   tools = newest;
   views.markTools(tools);

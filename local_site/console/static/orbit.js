@@ -1,5 +1,12 @@
 // The eye of the 3D view: turned by mouse, touch or arrow keys; where it sees a point on the canvas.
+/** @import { Vector } from "../model/messages.d.ts" */
 import { add, cross, dot, minus, times } from "./vectors.js";
+
+/** @typedef {[number, number, number]} Seen x, y, and how many pixels a metre has there */
+/** @typedef {(point: Vector) => Seen | null} Project */
+/** @typedef {{ position: Vector, right: Vector, up: Vector, toward: Vector }} Eye */
+/** @typedef {Eye & { size: number, project: Project }} Sight */
+/** @typedef {{ scale: number, x: number, y: number }} Frame */
 
 const STEP = 0.12;
 const ZOOM = 1.1;
@@ -16,9 +23,11 @@ export class Orbit {
   #distance = 2.3;
   #home = 2.3;
   #center = [0.25, 0, 0.45];
+  /** @type {Vector[]} */
   #framed = [];
   #known = false;
 
+  /** @param {HTMLCanvasElement} canvas @param {() => void} changed */
   constructor(canvas, changed) {
     canvas.addEventListener("pointerdown", (event) => canvas.setPointerCapture(event.pointerId));
     canvas.addEventListener("pointermove", (event) => {
@@ -35,7 +44,8 @@ export class Orbit {
     canvas.addEventListener("keydown", (event) => this.#key(event) && (event.preventDefault(), changed()));
   }
 
-  /** Frame a box (m) and the base, the first time that it is known. */
+  /** Frame a box (m) and the base, the first time that it is known.
+   * @type {(low: Vector, high: Vector) => void} */
   show(low, high) {
     if (this.#known) return;
     this.#known = true;
@@ -47,7 +57,9 @@ export class Orbit {
     this.#framed = [...corners, ...BASE];
   }
 
+  /** @type {(event: KeyboardEvent) => boolean} */
   #key({ key }) {
+    /** @type {Record<string, () => void>} */
     const acts = {
       ArrowLeft: () => this.#turn(-STEP, 0),
       ArrowRight: () => this.#turn(STEP, 0),
@@ -60,16 +72,19 @@ export class Orbit {
     return key in acts;
   }
 
+  /** @type {(yaw: number, pitch: number) => void} */
   #turn(yaw, pitch) {
     this.#yaw += yaw;
     this.#pitch = Math.min(1.5, Math.max(-0.3, this.#pitch + pitch));
   }
 
+  /** @type {(factor: number) => void} */
   #zoom(factor) {
     this.#distance = Math.min(8, Math.max(0.8, this.#distance * factor));
   }
 
-  /** How a canvas of this size is seen: `project`, its shorter side, and the eye's place and axes in the base's frame. */
+  /** How a canvas of this size is seen: `project`, its shorter side, and the eye's place and axes in the base's frame.
+   * @type {(width: number, height: number) => Sight} */
   sight(width, height) {
     const eye = eyeAt(this.#yaw, this.#pitch, this.#distance, this.#center);
     const frame = fitted(eyeAt(YAW, PITCH, this.#home, this.#center), this.#framed, width, height);
@@ -77,14 +92,16 @@ export class Orbit {
   }
 }
 
-/** An eye that looks at a centre from a distance: its position (m), and unit vectors right, up, and toward it. */
+/** An eye that looks at a centre from a distance: its position (m), and unit vectors right, up, and toward it.
+ * @type {(yaw: number, pitch: number, distance: number, center: Vector) => Eye} */
 export function eyeAt(yaw, pitch, distance, center) {
   const toward = [Math.cos(pitch) * Math.cos(yaw), Math.cos(pitch) * Math.sin(yaw), Math.sin(pitch)];
   const right = [-Math.sin(yaw), Math.cos(yaw), 0];
   return { position: add(center, times(toward, distance)), toward, right, up: cross(toward, right) };
 }
 
-/** The scale (pixels of a metre at a metre's distance) and the canvas's point straight ahead that just show all points. */
+/** The scale (pixels of a metre at a metre's distance) and the canvas's point straight ahead that just show all points.
+ * @type {(eye: Eye, points: Vector[], width: number, height: number) => Frame} */
 export function fitted(eye, points, width, height) {
   if (points.length === 0) return { scale: 1.7 * Math.min(width, height), x: width / 2, y: height / 2 };
   const seen = points.map((point) => inEyesFrame(eye, point)).map(([across, high, depth]) => [across / depth, -high / depth]);
@@ -93,13 +110,15 @@ export function fitted(eye, points, width, height) {
   return { scale, x: width / 2 - (scale * (left + right)) / 2, y: height / 2 - (scale * (top + bottom)) / 2 };
 }
 
-/** [x, y, pixels of a metre there] of a point in the base's frame (m); null behind the eye. */
+/** [x, y, pixels of a metre there] of a point in the base's frame (m); null behind the eye.
+ * @type {(eye: Eye, frame: Frame, point: Vector) => Seen | null} */
 function projected(eye, { scale, x, y }, point) {
   const [across, high, depth] = inEyesFrame(eye, point);
   if (depth < NEAREST_M) return null;
   return [x + (scale * across) / depth, y - (scale * high) / depth, scale / depth];
 }
 
+/** @type {(eye: Eye, point: Vector) => [number, number, number]} */
 function inEyesFrame({ position, right, up, toward }, point) {
   const away = minus(point, position);
   return [dot(away, right), dot(away, up), -dot(away, toward)];

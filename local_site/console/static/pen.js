@@ -1,16 +1,23 @@
 // Lines, discs and areas on a canvas, given as points in the base's frame (m).
+/** @import { Vector } from "../model/messages.d.ts" */
+/** @import { Project, Sight } from "./orbit.js" */
 import { letter } from "./letters.js";
+
+/** @typedef {string | CanvasGradient} Paint */
 
 const FONT = 'px "DejaVu Sans", system-ui, sans-serif';
 
 export class Pen {
-  /** `sight` projects, and knows the canvas's shorter side in pixels (`orbit.js`). */
+  /** `sight` projects, and knows the canvas's shorter side in pixels (`orbit.js`).
+   * @param {CanvasRenderingContext2D} context @param {Sight} sight */
   constructor(context, sight) {
     this.context = context;
+    /** @type {Project} */
     this.project = sight.project;
     this.size = sight.size;
   }
 
+  /** @type {(points: Vector[], tone: Paint, width: number) => void} */
   line(points, tone, width) {
     if (!this.trace(points)) return;
     this.context.strokeStyle = tone;
@@ -19,6 +26,7 @@ export class Pen {
     this.context.stroke();
   }
 
+  /** @type {(points: Vector[], tone: Paint, alpha: number) => void} */
   fill(points, tone, alpha) {
     if (!this.trace(points)) return;
     const { globalAlpha } = this.context;
@@ -28,6 +36,7 @@ export class Pen {
     this.context.globalAlpha = globalAlpha;
   }
 
+  /** @type {(point: Vector, tone: Paint, radius: number) => void} */
   disc(point, tone, radius) {
     const seen = this.project(point);
     if (seen === null) return;
@@ -37,6 +46,7 @@ export class Pen {
     this.context.fill();
   }
 
+  /** @type {(point: Vector, words: string, tone: Paint, under: Paint) => void} */
   text(point, words, tone, under) {
     const seen = this.project(point);
     if (seen === null) return;
@@ -51,16 +61,18 @@ export class Pen {
     this.context.fillText(words, seen[0], seen[1]);
   }
 
-  /** Begin a path through points; false where one is behind the eye. */
+  /** Begin a path through points; false where one is behind the eye.
+   * @type {(points: Vector[]) => boolean} */
   trace(points) {
     this.context.beginPath();
     return this.append(points);
   }
 
-  /** Add points to the path; false where one is behind the eye. */
+  /** Add points to the path; false where one is behind the eye.
+   * @type {(points: Vector[]) => boolean} */
   append(points) {
     const seen = points.map(this.project);
-    if (seen.includes(null)) return false;
+    if (!seen.every((one) => one !== null)) return false;
     seen.forEach(([x, y], k) => (k === 0 ? this.context.moveTo(x, y) : this.context.lineTo(x, y)));
     return true;
   }

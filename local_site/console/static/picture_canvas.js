@@ -1,16 +1,29 @@
 // The canvas of a view's picture, with no more pixels than the screen shows of it.
+/** @import { Size } from "./arrangement.js" */
+
+/** @typedef {VideoFrame | ImageBitmap} Picture */
+
+/** How large a decoded picture is to be shown.
+ * @type {(picture: Picture) => Size} */
+export function sizeOf(picture) {
+  if ("displayWidth" in picture) return { width: picture.displayWidth, height: picture.displayHeight };
+  return { width: picture.width, height: picture.height };
+}
+
 export class PictureCanvas {
   element = document.createElement("canvas");
-  #context = this.element.getContext("2d", { alpha: false, desynchronized: true });
+  #context = /** @type {CanvasRenderingContext2D} */ (this.element.getContext("2d", { alpha: false, desynchronized: true }));
+  /** @type {Size} */
   #room = { width: Infinity, height: Infinity };
 
   constructor() {
     new ResizeObserver(([{ contentRect }]) => (this.#room = contentRect)).observe(this.element);
   }
 
-  /** Paint a decoded picture: an ImageBitmap or a VideoFrame. Without a GPU the browser scales what is larger at each of its frames. */
+  /** Paint a decoded picture: an ImageBitmap or a VideoFrame. Without a GPU the browser scales what is larger at each of its frames.
+   * @type {(picture: Picture) => void} */
   paint(picture) {
-    const [full, high] = [picture.displayWidth ?? picture.width, picture.displayHeight ?? picture.height];
+    const { width: full, height: high } = sizeOf(picture);
     const fit = devicePixelRatio * Math.min(this.#room.width / full, this.#room.height / high);
     const scale = fit > 0 && fit < 1 ? fit : 1; // 0 while it is not displayed
     const [width, height] = [full, high].map((size) => Math.round(scale * size));

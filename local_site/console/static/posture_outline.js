@@ -1,13 +1,16 @@
 // The outline of a posture: what surrounds all of its capsules, as if they were one body.
+/** @import { Capsule } from "./arm_solids.js" */
+/** @import { Project, Sight } from "./orbit.js" */
 import { seenCapsule, traceCapsule } from "./capsule_shading.js";
 
 const LINE_PX = 1.8;
 
 export class PostureOutline {
   #layer = new OffscreenCanvas(1, 1);
-  #context = this.#layer.getContext("2d");
+  #context = /** @type {OffscreenCanvasRenderingContext2D} */ (this.#layer.getContext("2d"));
 
-  /** Draw it over a canvas: a line around it, and a trace of its tone inside. */
+  /** Draw it over a canvas: a line around it, and a trace of its tone inside.
+   * @type {(context: CanvasRenderingContext2D, sight: Sight, capsules: Capsule[], tone: string) => void} */
   draw(context, sight, capsules, tone) {
     const path = outlined(capsules, sight.project);
     if (this.#layer.width !== context.canvas.width || this.#layer.height !== context.canvas.height) {
@@ -33,6 +36,7 @@ export class PostureOutline {
   }
 }
 
+/** @type {(capsules: Capsule[], project: Project) => Path2D} */
 function outlined(capsules, project) {
   const path = new Path2D();
   for (const capsule of capsules) {

@@ -1,19 +1,24 @@
 // The mark that something is recorded, for everybody to see, and what the operator asks of the recorder.
+/** @import { Recording, Request, Robot } from "../model/messages.d.ts" */
+/** @import { Alert } from "./alert.js" */
+/** @import { Connection } from "./connection.js" */
+import { element, tagged } from "./elements.js";
 import { pressByKey } from "./keys.js";
 import { clockWords, mark, put } from "./words.js";
 
 const KEYS = { p: "episode", s: "success", f: "failure" };
-const element = (id) => document.getElementById(id);
 
 export class RecordingRow {
   #connection;
   #alert;
+  /** @type {Recording[]} */
   #recorders = [];
   #operates = false;
   #mark = element("recording");
   #row = element("recording-row");
-  #buttons = Object.fromEntries(["record", ...Object.values(KEYS)].map((name) => [name, element(name)]));
+  #buttons = Object.fromEntries(["record", ...Object.values(KEYS)].map((name) => [name, tagged("button", name)]));
 
+  /** @param {Connection} connection @param {Alert} alert */
   constructor(connection, alert) {
     this.#connection = connection;
     this.#alert = alert;
@@ -21,7 +26,8 @@ export class RecordingRow {
     pressByKey(Object.fromEntries(Object.entries(KEYS).map(([key, name]) => [key, this.#buttons[name]])));
   }
 
-  /** Show what the recorders of the cell and of the operator's own side do; without one nothing is shown. */
+  /** Show what the recorders of the cell and of the operator's own side do; without one nothing is shown.
+   * @type {(robot: Robot | null, own: Recording | null, operates: boolean) => void} */
   show(robot, own, operates) {
     const ofCell = robot === null || robot.silent ? null : robot.recording;
     this.#recorders = [ofCell, own].filter((one) => one !== null);
@@ -59,23 +65,27 @@ export class RecordingRow {
     return this.#writing.some((one) => one.on_request);
   }
 
+  /** @type {(name: string) => boolean} */
   #can(name) {
     if (!this.#operates || this.#bounded === null) return false;
     return name === "episode" || this.#bounded.episode > 0;
   }
 
+  /** @type {(name: string) => void} */
   #act(name) {
-    const asked = {
-      record: { action: this.#isEndable ? "stop" : "start" },
-      episode: { action: this.#bounded?.episode_open ? "end" : "begin" },
-      success: { action: "label", outcome: "success" },
-      failure: { action: "label", outcome: "failure" },
-    }[name];
-    this.#connection.ask({ type: "ask_record", ...asked });
+    /** @type {Record<string, Request>} */
+    const requests = {
+      record: { type: "ask_record", action: this.#isEndable ? "stop" : "start" },
+      episode: { type: "ask_record", action: this.#bounded?.episode_open ? "end" : "begin" },
+      success: { type: "ask_record", action: "label", outcome: "success" },
+      failure: { type: "ask_record", action: "label", outcome: "failure" },
+    };
+    this.#connection.ask(requests[name]);
   }
 }
 
-/** What is recorded, for how long and how much: of several recorders the longest time, and what all have written. */
+/** What is recorded, for how long and how much: of several recorders the longest time, and what all have written.
+ * @type {(writing: Recording[]) => string} */
 function markWords(writing) {
   if (writing.length === 0) return "";
   const words = [writing.some((one) => one.operator_pictures) ? "REC, with the operator's pictures" : "REC"];
@@ -88,10 +98,12 @@ function markWords(writing) {
   return words.join(" · ");
 }
 
+/** @type {(bytes: number) => string} */
 function sizeWords(bytes) {
   return bytes < 1e9 ? `${Math.round(bytes / 1e6)} MB` : `${(bytes / 1e9).toFixed(1)} GB`;
 }
 
+/** @type {(recording: Recording) => string} */
 function episodeWords({ episode, episode_open, episode_seconds: seconds, task, outcome }) {
   if (episode === 0) return task === "" ? "no episode yet" : `no episode yet: ${task}`;
   const words = [`episode ${episode}${episode_open ? "" : " has ended"}`, clockWords(seconds)];

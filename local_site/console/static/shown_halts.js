@@ -6,7 +6,8 @@ export class ShownHalts {
   #before = "0";
   #sinceMs = -Infinity;
 
-  /** The state that is shown from a time in ms has this newest halt. */
+  /** The state that is shown from a time in ms has this newest halt.
+   * @type {(halt: string, nowMs: number) => void} */
   show(halt, nowMs) {
     if (halt === this.#newest) return;
     this.#before = this.readBy(nowMs);
@@ -18,7 +19,8 @@ export class ShownHalts {
     return this.#newest;
   }
 
-  /** The newest that has been shown for long enough at a time in ms. */
+  /** The newest that has been shown for long enough at a time in ms.
+   * @type {(nowMs: number) => string} */
   readBy(nowMs) {
     return nowMs - this.#sinceMs < READ_MS ? this.#before : this.#newest;
   }

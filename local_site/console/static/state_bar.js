@@ -1,36 +1,44 @@
 // The bar over everything: what the arm does, in one colour that is read from two metres, and why.
+/** @import { Cell, Hello, Situation } from "../model/messages.d.ts" */
+/** @import { Condition } from "./condition.js" */
+/** @import { Whose } from "./halt_words.js" */
 import { conditionOf, lostCondition, saidOf } from "./condition.js";
+import { element } from "./elements.js";
 import { Steady } from "./steady.js";
 import { READ_MS, mark, put } from "./words.js";
 
 const SILENT_MS = 500;
 
 export class StateBar {
-  #state = document.getElementById("state");
-  #word = document.getElementById("state-word");
-  #second = document.getElementById("state-second");
-  #reason = document.getElementById("reason");
-  #cell = document.getElementById("cell");
+  #state = element("state");
+  #word = element("state-word");
+  #second = element("state-second");
+  #reason = element("reason");
+  #cell = element("cell");
   #steady = new Steady();
-  #receivedMs = null;
+  #receivedMs = 0;
   #saidMs = -Infinity;
   #connected = false;
   #said = saidOf(false);
+  /** @type {Whose} */
   #whose = { page: null, operator: "", remote: "" };
   #changed;
 
-  /** `changed` is called with each other condition that is shown. */
+  /** `changed` is called with each other condition that is shown.
+   * @param {(name: string) => void} changed */
   constructor(changed) {
     this.#changed = changed;
   }
 
+  /** @type {(message: Hello) => void} */
   hello({ replay, page, operator, remote }) {
     this.#said = saidOf(replay !== null);
     this.#whose = { page, operator, remote };
   }
 
+  /** @type {(description: Cell) => void} */
   describe({ cell, robot, driver }) {
-    this.#cell.textContent = `${cell} · ${robot.split("/").at(-1).replace(/\.urdf$/, "")} · ${driver}`;
+    this.#cell.textContent = `${cell} · ${robot.slice(robot.lastIndexOf("/") + 1).replace(/\.urdf$/, "")} · ${driver}`;
   }
 
   disconnected() {
@@ -43,13 +51,15 @@ export class StateBar {
     return this.#connected && performance.now() - this.#receivedMs > SILENT_MS;
   }
 
-  /** Show the newest state; the condition that is shown for it. */
+  /** Show the newest state; the condition that is shown for it.
+   * @type {(situation: Situation) => Condition} */
   show(situation) {
     this.#connected = true;
     this.#receivedMs = performance.now();
     return this.#show(conditionOf(situation, this.#whose, this.#said));
   }
 
+  /** @type {(newest: Condition) => Condition} */
   #show(newest) {
     const condition = this.#steady.show(newest, performance.now());
     const isSame = this.#state.dataset.state === condition.name;

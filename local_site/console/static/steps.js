@@ -1,4 +1,8 @@
 // The operator's buttons: the one that comes next is large, what else is possible small, the rest is not there.
+/** @import { Cell, Situation, ToolPoses } from "../model/messages.d.ts" */
+/** @import { Condition } from "./condition.js" */
+/** @import { PageFacts, Step } from "./next_step.js" */
+import { element } from "./elements.js";
 import { lostWords, stepOf } from "./next_step.js";
 import { WayBack } from "./way_back.js";
 import { mark, put } from "./words.js";
@@ -7,15 +11,17 @@ const NAMES = ["seat-button", "lease-button", "hold", "engage", "disengage", "re
 const LONG = 60; // letters: more are written smaller where they have a button's place
 
 export class Steps {
-  #words = document.getElementById("step-words");
-  #buttons = NAMES.map((name) => document.getElementById(name));
+  #words = element("step-words");
+  #buttons = NAMES.map((name) => element(name));
   #held = false;
   #wayBack = new WayBack();
 
+  /** @type {(cell: Cell) => void} */
   describe({ held }) {
     this.#held = held;
   }
 
+  /** @type {(condition: Condition, situation: Situation, facts: Omit<PageFacts, "held" | "back"> & { tools: ToolPoses }) => void} */
   show(condition, situation, { tools, ...controls }) {
     this.#set(stepOf(condition, situation, { ...controls, held: this.#held, back: this.#wayBack.words(tools) }));
   }
@@ -24,6 +30,7 @@ export class Steps {
     this.#set({ next: null, minor: [], words: lostWords });
   }
 
+  /** @type {(step: Step) => void} */
   #set({ next, waits = false, minor, words }) {
     put(this.#words, words);
     mark(this.#words, "data-long", words.length > LONG);

@@ -1,4 +1,8 @@
 // The stop: button or Esc, always; repeated until the remote site acknowledges it, with an alarm while it has not.
+/** @import { Answer, Situation } from "../model/messages.d.ts" */
+/** @import { Alert } from "./alert.js" */
+/** @import { Connection } from "./connection.js" */
+import { tagged } from "./elements.js";
 import { EMERGENCY } from "./emergency.js";
 const AGAIN_MS = 1000;
 const PATIENT_MS = 500; // without an acknowledgement by then something is wrong
@@ -7,18 +11,21 @@ export class StopButton {
   #connection;
   #letGo;
   #alert;
+  /** @type {number | null} */
   #pressedMs = null;
+  /** @type {Set<number>} */
   #asked = new Set();
   #askedMs = 0;
   #why = "";
   #stopped = false;
   #isDown = false;
 
+  /** @param {Connection} connection @param {Alert} alert @param {() => void} letGo */
   constructor(connection, alert, letGo) {
     this.#connection = connection;
     this.#alert = alert;
     this.#letGo = letGo;
-    const button = document.getElementById("stop");
+    const button = tagged("button", "stop");
     button.addEventListener("pointerdown", () => this.#stop());
     button.addEventListener("click", (event) => event.detail === 0 && this.#stop());
     addEventListener("keydown", (event) => this.#key(event), { capture: true });
@@ -26,7 +33,8 @@ export class StopButton {
     addEventListener("blur", () => (this.#isDown = false));
   }
 
-  /** An answer of the console, to a stop or to something else. */
+  /** An answer of the console, to a stop or to something else.
+   * @type {(answer: Answer) => void} */
   onReply({ id, what, done, reason }) {
     if (what !== "stop" || !this.#asked.delete(id) || this.#pressedMs === null) return;
     this.#why = done ? "" : reason.replace(/[.?!]$/, "");
@@ -47,7 +55,8 @@ export class StopButton {
     this.#alert.show("stop", "bad", `STOP NOT ACKNOWLEDGED: ${why}. If the arm moves, ${EMERGENCY}. The stop is repeated until it is acknowledged.`);
   }
 
-  /** Once the stop is reset, its acknowledgement has been read. */
+  /** Once the stop is reset, its acknowledgement has been read.
+   * @type {(situation: Situation) => void} */
   show({ robot }) {
     const stopped = robot?.readiness.code === "stopped";
     if (this.#stopped && !stopped) this.#alert.clear("stop", "good");
@@ -59,6 +68,7 @@ export class StopButton {
     this.#alert.clear("stop", "good");
   }
 
+  /** @type {(event: KeyboardEvent) => void} */
   #key(event) {
     if (event.key !== "Escape") return;
     event.preventDefault();

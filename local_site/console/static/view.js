@@ -1,11 +1,21 @@
 // One view: its canvas, painted with the newest picture, and the mark of how current it is.
+/** @import { Assist, AssistTarget, Camera, Cell, Painted, PictureHeader, Robot, TimedPose } from "../model/messages.d.ts" */
+/** @import { H264Decoder } from "./h264_decoder.js" */
+/** @import { Picture } from "./picture_canvas.js" */
+/** @import { ServerClock } from "./server_clock.js" */
+/** @import { Standing } from "./stale_words.js" */
+/** @import { Marked } from "./tool_marks.js" */
+/** @import { ToolPath } from "./tool_path.js" */
 import { ageWords, judge } from "./freshness.js";
 import { decodedJpeg } from "./jpeg.js";
 import { parsePicture } from "./picture.js";
-import { PictureCanvas } from "./picture_canvas.js";
+import { PictureCanvas, sizeOf } from "./picture_canvas.js";
 import { ViewLabels } from "./view_labels.js";
 import { ViewOverlays } from "./view_overlays.js";
 import { READ_MS, mark as setMark, put } from "./words.js";
+
+/** @typedef {Assist & { target: AssistTarget }} Offer */
+/** @typedef {{ seq: number, captureMs: number | null, unsureMs: number, ageMs: number | null, suspendedMs: number }} Newest */
 
 const SECOND_MS = 1000;
 const NO_H264 = "this browser cannot decode H.264, which the operator's link needs; open the page in another";
@@ -18,6 +28,7 @@ export class View {
   why = "";
   onShape = () => {};
   aspect = 4 / 3;
+  /** @type {number | null} */
   #calibrated = null; // the shape of the pictures that the projection is for
   #clock;
   #h264;
@@ -32,11 +43,15 @@ export class View {
   #isFresh = false;
   #lateMs = -Infinity;
   #agedMs = -Infinity;
+  /** @type {PictureHeader | null} */
   #header = null;
+  /** @type {Newest | null} */
   #newest = null;
+  /** @type {number[]} */
   #times = [];
 
-  /** `key` enlarges a view of the cell; one of the operator has none. */
+  /** `key` enlarges a view of the cell; one of the operator has none.
+   * @param {ServerClock} clock @param {H264Decoder} h264 @param {string} name @param {number | null} key */
   constructor(clock, h264, name, key) {
     this.#clock = clock;
     this.#isOfOperator = key === null;
@@ -52,7 +67,8 @@ export class View {
     this.refresh();
   }
 
-  /** The pictures have this shape now: whoever lays them out is told when it is another one. */
+  /** The pictures have this shape now: whoever lays them out is told when it is another one.
+   * @type {(width: number, height: number) => void} */
   #shape(width, height) {
     const aspect = width / height;
     if (Math.abs(aspect - this.aspect) < SAME_SHAPE * aspect) return;
@@ -73,7 +89,8 @@ export class View {
     return this.#overlays.canvases[0];
   }
 
-  /** The ghost and the tool are drawn over a calibrated camera's picture; its full picture has this size. */
+  /** The ghost and the tool are drawn over a calibrated camera's picture; its full picture has this size.
+   * @type {(camera: Camera, key: number) => void} */
   describe(camera, key) {
     this.#labels.call(key, this.name);
     if (this.#newest === null) this.#shape(camera.width, camera.height);
@@ -86,29 +103,41 @@ export class View {
     return this.#calibrated !== null && Math.abs(this.#calibrated - this.aspect) < SAME_SHAPE * this.aspect;
   }
 
-  /** Draw the tool over a picture that is not useless, late as it may be; `path` is where the tool was measured. */
+  /** Draw the tool over a picture that is not useless, late as it may be; `path` is where the tool was measured.
+   * @type {(tools: Marked | null, path: ToolPath) => void} */
   markTools(tools, path) {
     const isSeen = tools !== null && this.isUseful && this.#fits;
-    this.#overlays.markTools(isSeen ? tools : null, isSeen ? path.at(this.#newest.captureMs) : null);
+    this.#overlays.markTools(isSeen ? tools : null, isSeen ? this.#toolThen(path) : null);
   }
 
-  /** Draw what the assist offers over a picture that is young enough to be compared with it, or nothing. */
+  /** Draw what the assist offers over a picture that is young enough to be compared with it, or nothing.
+   * @type {(assist: Offer | null, path: ToolPath) => void} */
   offer(assist, path) {
     const isSeen = assist !== null && this.#isFresh && this.#fits;
-    this.#overlays.offer(isSeen ? assist : null, isSeen ? path.at(this.#newest.captureMs) : null);
+    this.#overlays.offer(isSeen ? assist : null, isSeen ? this.#toolThen(path) : null);
   }
 
-  /** Say what is wrong with all pictures, on this one; empty words say nothing. */
+  /** Where the tool was measured when the newest picture was taken; null where that is not known.
+   * @type {(path: ToolPath) => TimedPose | null} */
+  #toolThen(path) {
+    const captureMs = this.#newest?.captureMs ?? null;
+    return captureMs === null ? null : path.at(captureMs);
+  }
+
+  /** Say what is wrong with all pictures, on this one; empty words say nothing.
+   * @type {(words: string) => void} */
   complain(words) {
     this.#labels.complain(words);
   }
 
-  /** Draw the commanded arm over a picture that is young enough to be compared with it, and say so, or nothing. */
+  /** Draw the commanded arm over a picture that is young enough to be compared with it, and say so, or nothing.
+   * @type {(cell: Cell, robot: Robot | null) => void} */
   showGhost(cell, robot) {
     this.#labels.explain(this.#overlays.showGhost(cell, this.#isFresh && this.#fits ? robot : null));
   }
 
-  /** Take a message of this view; resolves when it is painted or skipped, to false where a key frame is needed. */
+  /** Take a message of this view; resolves when it is painted or skipped, to false where a key frame is needed.
+   * @type {(bytes: ArrayBuffer) => Promise<boolean>} */
   async receive(bytes) {
     const { header, offset, isPicture } = parsePicture(bytes);
     this.#header = header;
@@ -118,14 +147,15 @@ export class View {
     }
     const picture = await this.#decoded(header, bytes, offset);
     if (picture === null) return this.#isMissed;
-    if (this.#newest === null || header.seq > this.#newest.seq || header.capture_ms > this.#newest.captureMs) {
+    if (this.#newest === null || header.seq > this.#newest.seq || (header.capture_ms ?? 0) > (this.#newest.captureMs ?? 0)) {
       this.#paint(picture, header);
     }
     picture.close();
     return true;
   }
 
-  /** The decoded picture: a VideoFrame or an ImageBitmap; null where it cannot be decoded. */
+  /** The decoded picture: a VideoFrame or an ImageBitmap; null where it cannot be decoded.
+   * @type {(header: PictureHeader, bytes: ArrayBuffer, offset: number) => Promise<Picture | null>} */
   #decoded(header, bytes, offset) {
     this.#isMissed = header.codec === "h264" && !this.#h264.supported;
     if (header.codec === "jpeg") return decodedJpeg(bytes, offset);
@@ -139,9 +169,11 @@ export class View {
     this.#canvas.clear();
   }
 
+  /** @type {(picture: Picture, header: PictureHeader) => void} */
   #paint(picture, header) {
     this.#canvas.paint(picture);
-    this.#shape(picture.displayWidth ?? picture.width, picture.displayHeight ?? picture.height);
+    const { width, height } = sizeOf(picture);
+    this.#shape(width, height);
     const nowMs = this.#clock.now();
     const ageMs = nowMs === null || header.capture_ms === null ? null : nowMs - header.capture_ms;
     this.#newest = { seq: header.seq, captureMs: header.capture_ms, unsureMs: header.unsure_ms ?? 0, ageMs, suspendedMs: this.#clock.suspendedMs };
@@ -179,17 +211,19 @@ export class View {
 
   /** Whether it shows the cell, be it a little late. */
   get isUseful() {
-    return this.element.dataset.useless === "false" && SHOWING.includes(this.#header?.status);
+    return this.element.dataset.useless === "false" && this.#header !== null && SHOWING.includes(this.#header.status);
   }
 
-  /** What the next step has to say of it: its mark, whether it shows the cell, and its picture's age in ms, null where unknown. */
+  /** What the next step has to say of it: its mark, whether it shows the cell, and its picture's age in ms, null where unknown.
+   * @returns {Standing} */
   get standing() {
     const [captureMs, nowMs] = [this.#newest?.captureMs ?? null, this.#now()];
     const ageMs = captureMs === null || nowMs === null ? null : nowMs - captureMs;
-    return { name: this.name.replaceAll("_", " "), mark: this.element.dataset.mark, isUseful: this.isUseful, ageMs };
+    return { name: this.name.replaceAll("_", " "), mark: this.element.dataset.mark ?? "none", isUseful: this.isUseful, ageMs };
   }
 
-  /** What was painted last, for the console; null before the first, or while its age is not known. */
+  /** What was painted last, for the console; null before the first, or while its age is not known.
+   * @type {() => Painted | null} */
   painted() {
     const newest = this.#newest;
     if (newest === null || newest.ageMs === null) return null;
