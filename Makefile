@@ -5,8 +5,9 @@ READY := .venv/ready
 export PYTHONDONTWRITEBYTECODE :=  # every process would compile all modules again
 
 READERS := build/dataset-readers
+TYPESCRIPT := node_modules/ready
 
-.PHONY: loopback learned franka arms dataset-readers test test-lab long faults check bench fuzz results
+.PHONY: loopback learned franka arms dataset-readers test test-lab long faults check check-page bench fuzz results
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
@@ -42,6 +43,17 @@ check: $(READY)  ## the static checks
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
+	@$(MAKE) --no-print-directory check-page
+
+ifneq ($(and $(shell command -v node),$(shell command -v npm)),)
+check-page: $(TYPESCRIPT)  ## the types of the operator's page, and the tests of its modules without a browser
+	@node_modules/.bin/tsc
+	@node_modules/.bin/tsc --project tsconfig.worker.json
+	@node --test --test-reporter=dot tests/page/*.test.js
+else
+check-page:
+	@echo "The operator's page is not checked: that needs Node 20 or newer, and npm; on Debian: apt-get install nodejs npm"
+endif
 
 bench: $(READY)  ## side-by-side measurements, written to build/bench.json
 	@$(BIN)/python -m bench $(ARGS)
@@ -60,6 +72,10 @@ fuzz: $(READY)  ## a million hostile payloads for the codec
 $(READERS)/ready: constraints.txt Makefile
 	@$(PYTHON) -m venv $(READERS)
 	@$(READERS)/bin/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt lerobot-doctor==0.2.0 pandas==3.1.1 rerun-sdk==0.41.0
+	@touch $@
+
+$(TYPESCRIPT): package.json package-lock.json
+	@npm ci --silent --no-audit --no-fund
 	@touch $@
 
 $(READY): constraints.txt pyproject.toml lab/pyproject.toml
