@@ -57,7 +57,7 @@ export interface Cell {
   shapes: {
     capsules: { link: number; start: Vector; end: Vector; radius: number }[];
     fixtures: Box[];
-    gripper: { closed: number; open: number };
+    gripper: { open: number };
   };
 }
 
@@ -69,7 +69,6 @@ export interface Asker {
 }
 
 export interface Lease {
-  number: number;
   holder: string;
   words: string;
   ours: boolean;
@@ -167,7 +166,6 @@ export interface Visitor {
 }
 
 export interface Seat extends Visitor {
-  held: boolean;
   late: boolean;
 }
 
