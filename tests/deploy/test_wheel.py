@@ -57,6 +57,7 @@ def test_nothing_comes_from_the_checkout(installed: Path, tmp_path: Path) -> Non
     for path in map(Path, found):
         assert path.is_relative_to(installed.parent)
         assert path.with_name("py.typed").is_file()
+    assert list(installed.parent.rglob("*.ts")) == []  # for the check of the page alone
 
 
 @pytest.mark.slow

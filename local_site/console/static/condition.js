@@ -10,7 +10,6 @@ import { handTrouble } from "./link_line.js";
 
 /** @typedef {{ lost: string, none: (remote: string) => string, noneWord: string, silent: (age: string) => string, unheard: string }} Said */
 /** @typedef {{ name: string, tone: string, word: string, second?: string, sentence: string, limit?: string, halt?: Halt }} Condition */
-/** @typedef {Situation & { robot: Robot }} Live where a state has come */
 
 /** @type {Said} */
 const LIVE = {
