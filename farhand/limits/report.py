@@ -16,7 +16,7 @@ from remote_site.kinematics.model import ASSUMED, GIVEN, ArmModel
 from remote_site.safety.config import SafetyConfig
 from remote_site.safety.stop_bound import longest_stops
 from remote_site.safety.stop_figures import StopFigures, rising_stop, steady_stop, way
-from remote_site.session.age_limit import AgeLimit, speed_scale_at
+from remote_site.session.age_limit import AgeLimitChoice, speed_scale_at
 
 MS = 1000.0
 SPEEDS_RAD_S = (0.5, 1.0)  # beside full speed
@@ -238,7 +238,7 @@ def _stop_rows(limits: JointLimits, levers: Sequence[float]) -> tuple[StopRow, .
 
 def _age_rows(config: RemoteConfig, limits: JointLimits, levers: Sequence[float]) -> tuple[AgeRow, ...]:
     """A row for each age limit that can be in force, or for the shortest, the longest and one in between."""
-    least, most = AgeLimit(config.safety).range_ns
+    least, most = AgeLimitChoice(config.safety).range_ns
     ages_ns = sorted({least, min(2 * least, most), most})
     return tuple(_age_row(age_ns, config, limits, levers) for age_ns in ages_ns)
 
