@@ -14,7 +14,8 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.motion.planner import MotionPlanner
-from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
+from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.safety.clearance import ClearanceCheck, Workspace
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.collision_avoidance import CollisionAvoidance

@@ -9,7 +9,7 @@ from common.messages.robot import Engagement, MappingReference, Pose
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.leash import Leash
-from remote_site.motion.target_tracker import ToolSample
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.clearance import Workspace
 from remote_site.session.samples import Accepted
