@@ -2,12 +2,10 @@
 
 import math
 from pathlib import Path
-from typing import Annotated
 
 import cv2
-from msgspec import Meta
 
-from common.cameras.camera import Camera, Frame, Image
+from common.cameras.camera import Camera, Frame, Image, Source
 from common.cameras.images import ImageFolder
 from common.cameras.live import LiveCamera
 from common.cameras.settings import AS_IT_IS, CameraSettings
@@ -19,8 +17,6 @@ DEFAULT_FOLDER_FPS = 30.0
 MAX_STATED_FRAMES = 1e8  # more is what OpenCV makes of an index without a duration
 COUNTING_SUFFIXES = frozenset({".avi", ".mp4", ".m4v", ".mov"})  # of others OpenCV guesses the count by the duration
 USUALLY_MISSING = 0.01  # of the frames that a file states: an index may count one that was never written
-
-Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]
 
 
 def _as_image(array: object) -> Image:

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from common.cameras.camera import Camera
+from common.cameras.camera import Camera, Source
 from common.cameras.controls import CURE
 from common.cameras.given_rate import LEAST_SHARE
 from common.cameras.live import CURE_OF_RATE, LiveCamera
 from common.cameras.settings import AS_IT_IS, CameraSettings
 from common.cameras.shown_source import shown_source
-from common.cameras.sources import Source, open_camera
+from common.cameras.sources import open_camera
 from common.clock import NS_PER_S
 from common.errors import CalibrationError, CameraError
 from common.link.port_holders import holder_of_device, is_ours

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
+from common.cameras.camera import Source
 from common.cameras.shown_source import hides_part, shown_source
-from common.cameras.sources import Source
 from common.clock import NS_PER_S
 from common.errors import ConfigError, RefusedError, TransportError
 from common.link.config import NAME_OPERATORS, ON_THIS_HOST, LinkSecurity, OperatorLinks, TlsConfig
