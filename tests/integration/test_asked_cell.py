@@ -17,6 +17,7 @@ def farhand(*arguments: str, sites: Sites) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, check=False, capture_output=True, text=True, timeout=120)
 
 
+@pytest.mark.slow
 def test_a_running_cell_is_shown_disengaged_and_stopped_from_a_terminal(pair: Pair) -> None:
     pair.following()
     sites = pair.sites

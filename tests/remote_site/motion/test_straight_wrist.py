@@ -105,6 +105,7 @@ def assert_kept_to(way: Way, tools: Array, most_m: float = MOST_M) -> None:
     assert np.linalg.norm(tools[-1]) < REST_M
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.3, 0.5, 0.66, 0.8, 1.0])
 @pytest.mark.parametrize(
     ("start_deg", "turn"),
@@ -124,6 +125,7 @@ def test_a_tool_that_turns_through_the_straight_wrist_stays_in_its_place(
     assert_kept_to(way, tool_after(way, start_deg, always(speed), always(speed)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.3, 0.66])
 @pytest.mark.parametrize("seconds", [0.6, 1.0])
 @pytest.mark.parametrize(
@@ -136,6 +138,7 @@ def test_a_tool_that_is_carried_through_the_straight_wrist_keeps_to_its_line(
     assert_kept_to(way, tool_after(way, BENT, always(speed), always(speed)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.3, 0.5, 0.8])
 @pytest.mark.parametrize("seed", range(3))
 def test_random_ways_about_the_straight_wrist_are_kept_to(seed: int, speed: float) -> None:
@@ -143,6 +146,7 @@ def test_random_ways_about_the_straight_wrist_are_kept_to(seed: int, speed: floa
     assert_kept_to(way, tool_after(way, ROLLED, always(speed), always(speed)), WILDEST_M)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slowed", [0.3, 0.6])
 @pytest.mark.parametrize("start_deg", [STRAIGHT, BENT, ROLLED])
 def test_an_arm_that_is_slowed_under_way_keeps_to_its_path(start_deg: tuple[float, ...], slowed: float) -> None:

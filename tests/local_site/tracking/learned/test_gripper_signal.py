@@ -11,6 +11,7 @@ PAIRS = 90  # the hand is opened once
 AGREED = 0.9
 
 
+@pytest.mark.slow
 def test_one_opening_is_seen_once(monkeypatch):
     sequence = render_sequence(TOGGLES, PAIRS)
     shown = shown_tracker(monkeypatch, sequence.projections)
