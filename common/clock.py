@@ -72,7 +72,7 @@ class RoundTrip:
 
     @property
     def possible(self) -> bool:
-        """Whether two monotonic clocks can have given these times."""
+        """Return whether two monotonic clocks can have given these times."""
         return self.answered_ns >= self.received_ns and self.duration_ns >= 0
 
     def error_bound_ns(self, now_ns: int) -> int:
