@@ -63,7 +63,7 @@ def without_counts(reason: str) -> str:
 
 
 def cure_of(reason: str) -> str:
-    """What to do about a reason; empty where its own sentence says it, after a colon."""
+    """Say what to do about a reason; empty where its own sentence says it, after a colon."""
     known = next((cure for which, cure in CURES.items() if which in reason), None)
     if known is not None:
         return known
@@ -72,7 +72,7 @@ def cure_of(reason: str) -> str:
 
 @dataclass
 class TrackerTrial:
-    """What a trial has seen, by the names of the views; `ms` is the time that each instant took to track.
+    """The pairs that a trial has seen, by the names of the views; `ms` is the time that each instant took to track.
 
     `statuses` are those of the instants after the `learning` ones, in which the tracker still learned arm or room.
     """
