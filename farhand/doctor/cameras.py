@@ -1,4 +1,4 @@
-"""The operator's sight: cameras that do what their settings ask, and their calibration."""
+"""The operator's cameras: whether they do what their settings ask, and their calibration."""
 
 import threading
 from collections.abc import Sequence

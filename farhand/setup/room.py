@@ -28,7 +28,7 @@ ELBOW = (
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """The light on a picture or a part of it: mean grey level, that of its brightest parts, the saturated share."""
+    """The light on a picture or a part of it: mean grey level, that of its brightest parts, the saturated fraction."""
 
     mean: float
     bright: float

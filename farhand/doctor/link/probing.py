@@ -78,7 +78,7 @@ class LoadWindow:
 
 @dataclass(frozen=True, slots=True)
 class ProbePlan:
-    """The length and number of probes; while the arm is engaged, at the rate of hand samples, without load."""
+    """The duration and rate of probes; while the arm is engaged, at the rate of hand samples, without load."""
 
     seconds: float = 10.0
     hz: float = 30.0

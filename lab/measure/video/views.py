@@ -66,7 +66,7 @@ def measure() -> dict[str, float]:
 
 
 def coding(config: VideoConfig, pictures: Pictures, codec: Codec) -> dict[str, float]:
-    """Measure a codec's cost for noisy pictures of a moving arm where the link is free, and its likeness to them."""
+    """Measure what a codec takes for noisy pictures of a moving arm where the link is free, and how close they stay."""
     cameras, setting = CodedCameras(config, pictures), StreamSetting(config.quality, 1.0, config.fps, codec)
     sizes = [len(cameras.picture(name, seq, setting).data) for seq in range(REPEATS) for name in pictures]
     return {

@@ -37,11 +37,11 @@ class Copying:
 
 
 def session_figures(states: Sequence[RobotState]) -> Figures:
-    """From the first state that follows to the last: share of time followed, holds, latches, changes, and the reason.
+    """From the first state that follows to the last: fraction followed, holds, latches, changes, and the reason.
 
-    The share counts nothing after a latch as followed. `changes_in_a_second` is the most changes between engaged and
+    The fraction counts nothing after a latch as followed. `changes_in_a_second` is the most changes between engaged and
     holding within any second, `held_for` the codes for which the arm held, with their numbers, `age_limit_ms` the
-    greatest age limit. Where nothing engaged, the share is 0 and `why` is the sentence of the readiness.
+    greatest age limit. Where nothing engaged, the fraction is 0 and `why` is the sentence of the readiness.
     """
     first = next((k for k, state in enumerate(states) if state.state is SessionState.ENGAGED), None)
     if first is None:
