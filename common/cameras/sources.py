@@ -53,7 +53,7 @@ class VideoFile:
         return frame
 
     def _describe_damage(self) -> str:
-        """What the file states and does not hold, as a sentence with the cure."""
+        """Describe what the file states and does not hold, as a sentence with the cure; empty if it is whole."""
         stated = self.stated_frames or 0
         if self._path.suffix.lower() not in COUNTING_SUFFIXES or stated - self._seq <= max(1, USUALLY_MISSING * stated):
             return ""
@@ -102,7 +102,7 @@ def recorded_fps(camera: Camera) -> float | None:
 
 
 def stated_frames(camera: Camera) -> int | None:
-    """How many frames a recording says it holds; None for a live camera, and where a file says nothing.
+    """Return how many frames a recording states; None for a live camera, and where a file states nothing.
 
     Of a folder the number is exact. A file's index may be damaged or guessed, so it is a hint.
     """
@@ -110,5 +110,5 @@ def stated_frames(camera: Camera) -> int | None:
 
 
 def damage_of(camera: Camera) -> str:
-    """What is wrong with a recording that has come to its end, as a sentence with the cure; else empty."""
+    """Describe what is wrong with a recording that has come to its end, as a sentence with the cure; else empty."""
     return camera.damage if isinstance(camera, VideoFile) else ""

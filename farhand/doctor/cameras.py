@@ -1,4 +1,4 @@
-"""What the operator's side needs to see: cameras that do what their settings ask, and their calibration."""
+"""The operator's cameras: whether they do what their settings ask, and their calibration."""
 
 import threading
 from collections.abc import Sequence
@@ -82,7 +82,7 @@ def _first_picture(name: str, source: Source, fps: float, settings: CameraSettin
 
 
 def _slow_fps(camera: Camera) -> float | None:
-    """How many pictures a second a live camera gives, where that is less than it states."""
+    """Measure how many pictures a second a live camera gives; None unless that is less than it states."""
     if not isinstance(camera, LiveCamera) or camera.state.fps is None:
         return None
     count, first = 0, camera.read()
