@@ -81,7 +81,7 @@ def pytest_collection() -> Generator[None, object, object]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Sort the rows first or last, first of all tests that leave one pair of sites to each other; some may take hours."""
+    """Sort rows first or last, first of all tests that leave one pair of sites to each other; some may take hours."""
     items.sort(key=_rank)
     for item in items:
         if item.get_closest_marker("long") or item.get_closest_marker("faults"):

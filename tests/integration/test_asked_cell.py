@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 from common.messages.robot import STOPPED, SessionState
 from common.messages.video import CameraStatus
 from tests.integration.pair import OPERATOR, Pair

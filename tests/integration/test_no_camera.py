@@ -1,5 +1,7 @@
 """A cell without any camera starts, is asked for its status, and ends in order, its simulated robot included."""
 
+import pytest
+
 from tests.integration.sites import running_sites
 from tests.integration.test_asked_cell import farhand
 

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from common.link.channels import INTENT, PREVIEW
 from common.messages.hand import Intent, OperatorIntent

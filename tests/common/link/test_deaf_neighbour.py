@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import pytest
+
 from common.link.channels import LOAD_ECHO
 from common.link.transport import open_link
 from common.messages.probe import MOST_PADDING, ProbeEcho

@@ -5,6 +5,8 @@ import os
 import time
 from pathlib import Path
 
+import pytest
+
 from common.link.channels import STATE
 from common.link.runtime import STACK_BYTES
 from common.link.transport import open_link
