@@ -6,8 +6,8 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from common.messages.hand import ClockSync, HandArm, Intent
 from common.messages.robot import GripperCommand, LeaseState, Pose, RobotState, SessionState
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, Every, SteppedSite
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, Every, SteppedSite
 from local_site.programmed.path_progress import PathProgress
 from local_site.programmed.path_runs import PathProgram, PathRuns
 from local_site.samples.hand_sample import HandSampler, OpenHand

@@ -4,7 +4,7 @@ import numpy as np
 
 from common.clock import Clock
 from common.geometry import Array
-from lab.experiments.stepped.site import BEGIN_NS
+from lab.stage.stepped.site import BEGIN_NS
 from remote_site.config import RemoteConfig
 from remote_site.drivers.c500c.config import C500cConfig
 from remote_site.drivers.c500c.driver import C500cDriver
