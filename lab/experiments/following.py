@@ -17,7 +17,8 @@ from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.robot import SessionState
 from lab.experiments.report import Progress
 from lab.stage.stepped.kinematic_loop import KinematicLoop
-from lab.stage.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, SteppedRobot, SteppedSite
+from lab.stage.stepped.robots import SteppedRobot
+from lab.stage.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, SteppedSite
 from local_site.samples.hand_sample import GestureConfig, HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.simulation.cameras import calibrate_simulated
