@@ -16,8 +16,7 @@ from lab.experiments.robonaut.figures.frames import frames_shown, overlays_plate
 from lab.experiments.robonaut.figures.humanoid_views import HumanoidViews
 from lab.experiments.robonaut.figures.plots import motion_plot
 from lab.experiments.robonaut.footage import Footage, Shot, Tracked, render_footage, track_footage
-from lab.experiments.robonaut.grasping.grasping_film import grasping_film
-from lab.experiments.robonaut.grasping.handling import GRASPING, HANDLING_FRAMES, MOVING, Handling
+from lab.experiments.robonaut.grasping import GRASPING, HANDLING_FRAMES, MOVING, Handling, grasping_film
 from local_site.simulation.textured_arm import Scenery
 from local_site.tracking.config import MonocularConfig
 from remote_site.config import RemoteConfig
