@@ -52,7 +52,7 @@ class FarLink:
         return round(min(self.delay_ms + risen_ms, max(self.delay_at(t_s), self.delay_ms)) * NS_PER_MS)
 
     def sent(self, seconds: float, motion: Motion) -> InTransit[HandArm]:
-        """The samples under way, by the ns from the start, their capture too."""
+        """The samples under way; their times, that of capture too, are in ns from the start."""
         rng, coming = Random(self.seed), InTransit[HandArm]()  # noqa: S311  # a link, not secrets
         for k in range(int(seconds * NS_PER_S / PERIOD_NS)):
             capture_ns = k * PERIOD_NS
