@@ -25,8 +25,7 @@ from lab.experiments.follow_figures import (
 )
 from lab.experiments.following import Film, ToolPath, film, follow_by_mean, follow_by_pipeline, follow_on_robot
 from lab.experiments.report import CsvTable, ExperimentReport, Figures, Progress, rounded
-from lab.experiments.stepped.robots import SteppedCell, SteppedController
-from lab.experiments.stepped.site import SteppedRobot
+from lab.stage.stepped.robots import SteppedCell, SteppedController, SteppedRobot
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig

@@ -16,7 +16,9 @@ from common.mapping.relative_mapping import RelativeMapping
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.robot import SessionState
 from lab.experiments.report import Progress
-from lab.experiments.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, SteppedRobot, SteppedSite
+from lab.stage.stepped.kinematic_loop import KinematicLoop
+from lab.stage.stepped.robots import SteppedRobot
+from lab.stage.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, SteppedSite
 from local_site.samples.hand_sample import GestureConfig, HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.simulation.cameras import calibrate_simulated
@@ -29,7 +31,6 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import load_arm
 from remote_site.reasons import Code
-from remote_site.runtime.kinematic_loop import KinematicLoop
 from remote_site.session.config import EngagementMode
 from remote_site.session.lease import Holder, Lease, LeaseStatus
 from remote_site.session.samples import NamedSample

@@ -1,1 +1,1 @@
-"""Emulated hosts, links, operators and cameras, between which both sites are measured."""
+"""Emulated hosts, links, operators and cameras, between which sites are measured; and a site on stepped time."""

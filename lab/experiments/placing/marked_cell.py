@@ -11,8 +11,8 @@ from common.config.loading import load_config
 from common.messages.requests import ViewCalibration
 from farhand.deployment.shipped import HERE
 from lab.experiments.placing.network import Messages, Network
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import SteppedSite
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import SteppedSite
 from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
 from remote_site.video.marker_look import MarkerLook

@@ -18,8 +18,8 @@ from lab.experiments.placing.marked_cell import CellMarkers, with_markers
 from lab.experiments.placing.network import Messages, Network
 from lab.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
 from lab.experiments.placing.tracked_operator import TrackedOperator
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import OPERATOR, Every, SteppedSite
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import OPERATOR, Every, SteppedSite
 from lab.visual_operator.hand import Motor, ScriptedHand
 from lab.visual_operator.operator import VisualOperator
 from lab.visual_operator.shown import ShownPage, ShownView

@@ -17,9 +17,9 @@ from common.link.channels import HAND
 from common.messages.codec import decode, encode
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from lab.stage.processes import PIP, UnavailableError, run_quietly
+from lab.stage.stepped.kinematic_loop import KinematicLoop
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import RobotConfig
-from remote_site.runtime.kinematic_loop import KinematicLoop
 from remote_site.session.lease import Holder, Lease, LeaseStatus
 from remote_site.session.samples import NamedSample
 
