@@ -64,11 +64,11 @@ class AgeLimit:
 
     @property
     def stretch(self) -> float:
-        """How many times longer than at full speed a target is extrapolated, for an arm that is slower."""
+        """The factor by which targets are extrapolated for longer than at full speed, for an arm that is slower."""
         return max(self.soft_ns / FULL_SPEED_NS, 1.0)
 
     def too_slow(self) -> Reason | None:
-        """Why this link cannot be operated: most of its samples grow older than any limit allows."""
+        """Say why this link cannot be operated: most of its samples grow older than any limit allows."""
         if self._is_fixed:
             return None
         age_ns, oldest_ns = self._ages.usual_ns()
@@ -78,7 +78,7 @@ class AgeLimit:
         return reason(Code.LINK_TOO_SLOW, age_ms=age_ns / NS_PER_MS, most_ms=most_ns / NS_PER_MS)
 
     def too_rare(self) -> Reason | None:
-        """Why no samples come in a row without a gap beyond the limit: their sender captures too few a second."""
+        """Say why no samples come in a row without a gap beyond the limit: their sender captures too few a second."""
         spacing_ns = self._ages.spacing_ns()
         if spacing_ns < self.soft_ns:
             return None
