@@ -1,1 +1,1 @@
-"""What the simulated cell looks like: textures, prints, furniture, and light baked into all that stands still."""
+"""Looks of the simulated cell: textures, prints, furniture, and light baked into all that stands still."""

@@ -43,7 +43,7 @@ def dress(spec: mujoco.MjSpec, scene: SceneConfig) -> tuple[PaintedSurface, ...]
 
 
 def _table_boxes(scene: SceneConfig) -> list[Array]:
-    """What throws shadows beside the furniture: the table's top, its legs, the pedestal."""
+    """Build the boxes that throw shadows beside the furniture: the table's top, its legs, the pedestal."""
     (x, y), (length, width), floor = scene.table_centre_xy_m, scene.table_size_xy_m, scene.floor_z_m
     half, under = scene.pedestal_side_m / 2, scene.table_z_m - TABLE_THICKNESS_M
 

@@ -1,4 +1,4 @@
-"""What stands about in the room: a rack, a workbench, cartons, cabinets; upright boxes, each face with a picture."""
+"""Furniture of the room: a rack, a workbench, cartons, cabinets; upright boxes, each face with a picture."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
