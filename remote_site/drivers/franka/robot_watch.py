@@ -72,7 +72,7 @@ class RobotWatch:
         self._robot, self._time = None, RobotTime()
 
     def wait(self) -> None:
-        """Until it is tried again to connect."""
+        """Wait until it is time to try to connect again."""
         self._clock.sleep_until_ns(self._clock.now_ns() + AGAIN_NS)
 
 
