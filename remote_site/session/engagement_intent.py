@@ -29,7 +29,7 @@ class HoldToRun:
 
 
 class EngagementIntent:
-    """The askers for an engagement: `armed` for the automatic one, `requested`, or the `input` held down."""
+    """The sources of an engagement: `armed` for the automatic one, `requested`, or the `input` held down."""
 
     def __init__(self, mode: EngagementMode) -> None:
         self.armed = mode is EngagementMode.AUTOMATIC

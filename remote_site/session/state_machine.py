@@ -26,7 +26,7 @@ FOLLOWS = reason(Code.OK)
 
 
 class Action(Enum):
-    """The caller's action of this tick."""
+    """The action that the caller takes in this tick."""
 
     CAPTURE = auto()  # take the newest accepted sample and the commanded tool pose as origins, then follow
     RESUME = auto()  # after a short hold: go on to the same origins if the hand is near, else as CAPTURE

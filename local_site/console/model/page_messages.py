@@ -131,7 +131,7 @@ class NewOrigins(PageMessage, frozen=True, tag="new_origins"):
 
 
 class Play(PageMessage, frozen=True, tag="play"):
-    """The further course of a replay: what is not named stays. `position_s` counts from the recording's beginning."""
+    """The wanted course of a replay: what is not named stays. `position_s` counts from the recording's beginning."""
 
     playing: bool | None = None
     speed: Annotated[float, Meta(ge=0.1, le=16)] | None = None
