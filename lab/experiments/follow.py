@@ -77,7 +77,7 @@ class Variant:
 
 
 def frame_count(quick: bool) -> int:
-    """How many frames are filmed, and followed by robots that take their time, for a progress bar."""
+    """Count the frames that are filmed, and followed by robots that take their time, for a progress bar."""
     slow, fast = (round(_filmed_s(quick) * fps) + 1 for fps in (THESIS_FPS, FARHAND_FPS))
     return slow + 3 * fast
 
@@ -184,7 +184,7 @@ def _curves(filmed: Film, path: ToolPath, remote: RemoteConfig) -> Curves:
 
 
 def _is_closed(filmed: Film, times_ns: Array) -> Array:
-    """Whether the true hand does not open at these times (N,)."""
+    """Return at which of these times (N,) the true hand does not open."""
     return np.array([filmed.operator.pose(t_ns / NS_PER_S).openness == 0.0 for t_ns in times_ns])
 
 

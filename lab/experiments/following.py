@@ -40,7 +40,7 @@ NOT_USED = (TrackingStatus.LOST, TrackingStatus.INITIALISING)
 
 @dataclass(frozen=True, slots=True)
 class Film:
-    """What the tracker measured in every frame, unsmoothed, at `fps` from time zero of the operator's motion."""
+    """The tracker's measurements in every frame, unsmoothed, at `fps` from time zero of the operator's motion."""
 
     operator: SimulatedOperator
     fps: float
@@ -73,7 +73,7 @@ def film(
 
 @dataclass
 class ToolPath:
-    """Where the tool was: `base_T_tool` (4 x 4) at times in ns, since both origins were taken at `engaged_ns`.
+    """The path of the tool: `base_T_tool` (4 x 4) at times in ns, since both origins were taken at `engaged_ns`.
 
     `postures` are the joints there, rad, and `openings_m` the gripper's, NaN where none is measured. `hindered` counts,
     by code, what kept the tool from its target: samples as in the thesis, ticks in the pipeline.

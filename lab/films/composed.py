@@ -35,7 +35,7 @@ SIZE = (640, 480)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ComposedFilm:
-    """What is composed: a recording, skin, surroundings; `empty_s` is how long the arm is missing first."""
+    """The parts of a film: a recording, skin, surroundings; `empty_s` is how long the arm is missing first."""
 
     name: str
     recording: RecordingName

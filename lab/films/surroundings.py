@@ -1,4 +1,4 @@
-"""What is before the cameras beside the operator: a room, perhaps a second person, and how pictures are taken."""
+"""Surroundings of the operator before the cameras: a room, perhaps a second person, and how pictures are taken."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ class Surroundings:
         self._sensor = Sensor(size, setting.noise, random)
 
     def pictures(self, t_s: float) -> list[Picture]:
-        """What each camera sees without the operator; the caller may draw on it."""
+        """Draw what each camera sees without the operator; the caller may draw on it."""
         pictures = [room.at(t_s) for room in self._rooms]
         if self._second is not None:
             times = self.exposure(t_s)
@@ -60,7 +60,7 @@ class Surroundings:
         return pictures
 
     def layers(self, exposures: Sequence[ColouredSurface]) -> list[FilmLayer | None]:
-        """What each camera sees of a surface, given at both ends of an exposure or once."""
+        """Render what each camera sees of a surface, given at both ends of an exposure or once."""
         surface = exposures[0]
         colours = lit(surface.vertices, surface.triangles, surface.albedo, self._lighting)
         vertices = [exposure.vertices for exposure in exposures]

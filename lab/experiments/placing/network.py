@@ -28,7 +28,7 @@ class Network:
         return round(self.delay_ms * NS_PER_MS)
 
     def sending_ns(self, size: int) -> int:
-        """How long so many bytes take to leave."""
+        """Compute how long so many bytes take to leave, ns."""
         return round(size * 8 * NS_PER_S / (self.mbit_s * 1e6)) if self.mbit_s is not None else 0
 
 

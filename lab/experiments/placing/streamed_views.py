@@ -46,7 +46,7 @@ class _Channel:
 
 @dataclass(frozen=True, slots=True)
 class _Report:
-    """What the console tells the video process: what it has shown, and what it cannot decode without a key frame."""
+    """The console's report to the video process: what it has shown, and what it cannot decode without a key frame."""
 
     shown: ViewsShown | None
     wants_after: Mapping[str, int]

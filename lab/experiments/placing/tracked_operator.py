@@ -22,7 +22,7 @@ EXACT_M = 1e-4
 
 
 def is_installed(method: str) -> bool:
-    """Whether a tracker runs here: one for rooms needs models and their runtime."""
+    """Return whether a tracker runs here: one for rooms needs models and their runtime."""
     try:
         make_tracker(calibrate_simulated(SimulationConfig()), TrackingConfig(method=method))
     except NotInstalledError:

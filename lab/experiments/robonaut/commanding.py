@@ -61,7 +61,7 @@ SEQUENCES: Mapping[str, HandlingSequence] = {
 
 
 def frame_count(quick: bool) -> int:
-    """How many pictures are rendered, for a progress bar."""
+    """Count the pictures that are rendered, for a progress bar."""
     return len(SEQUENCES) * (STILL_FRAMES + _frames(quick) + 1)
 
 

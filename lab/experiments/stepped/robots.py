@@ -36,13 +36,13 @@ class SteppedCell:
 
     @property
     def q(self) -> Array:
-        """Where the joints truly are, (n,) in rad."""
+        """The true joint positions, (n,) in rad."""
         q: Array = self.cell.data.qpos[: self._joints].copy()
         return q
 
     @property
     def block_xy_m(self) -> Array:
-        """Where the middle of the block is, (2,) in the base frame."""
+        """The position of the block's middle, (2,) in the base frame."""
         xy: Array = self.cell.data.body("block").xpos[:2].copy()
         return xy
 
@@ -66,5 +66,5 @@ class SteppedController:
 
     @property
     def q(self) -> Array:
-        """Where the joints truly are, (6,) in rad."""
+        """The true joint positions, (6,) in rad."""
         return self._controller.player.q.copy()

@@ -37,7 +37,7 @@ class Every:
         self._period_ns, self._next_ns = period_ns, first_ns
 
     def due(self, now_ns: int) -> bool:
-        """Whether it is due now; then the next is a period later."""
+        """Return whether it is due now; then the next is a period later."""
         is_due = now_ns >= self._next_ns
         self._next_ns += self._period_ns if is_due else 0
         return is_due

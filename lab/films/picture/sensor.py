@@ -1,4 +1,4 @@
-"""What a lens and a sensor make of a picture: a little blur, noise, whole grey levels."""
+"""Effects of a lens and a sensor on a picture: a little blur, noise, whole grey levels."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""What a control tick costs, decode to write, beside Pink with daqp on the same targets; microseconds, one run."""
+"""Cost of a control tick, decode to write, beside Pink with daqp on the same targets; microseconds, one run."""
 
 import gc
 import importlib
@@ -122,7 +122,7 @@ def measure() -> dict[str, float]:
 
 
 def _timed(pink: Pink, block: range, targets: dict[int, Array]) -> list[int]:
-    """What Pink takes for each of these ticks, ns, after the warm-up."""
+    """Measure how long Pink takes for each of these ticks, ns, after the warm-up."""
     spent = []
     for k in block:
         begin_ns = time.perf_counter_ns()

@@ -43,7 +43,7 @@ MakeRobot = Callable[[RemoteConfig], tuple[FakeClock, Driver]]
 
 @dataclass
 class Ticks:
-    """What control decided: when, in which state, when the obeyed sample was captured, 0 while it obeyed none.
+    """The decisions of control: when, in which state, when the obeyed sample was captured, 0 while it obeyed none.
 
     `age_limit_ns` is the age up to which samples were obeyed, `halted_ns` when the newest halt came.
     """
@@ -90,7 +90,7 @@ class StallingTimer:
         self.due_ns = self._rate.next_ns + self._stall_ns()
 
     def _stall_ns(self) -> int:
-        """How late control is for its next deadline."""
+        """Draw how late control is for its next deadline, ns."""
         if self._rng.random() * TICKS_PER_STALL > 1.0:
             return 0
         self.stalls += 1

@@ -71,7 +71,7 @@ class SimulatedLink:
 
     @property
     def queued_bytes(self) -> int:
-        """What waits."""
+        """The bytes that wait."""
         return sum(len(waiting.data) for waiting in self.queue)
 
     def put_back(self, report: ViewsShown, now_ns: int) -> None:
@@ -107,7 +107,7 @@ def _due(waiting: deque[tuple[int, T]], now_ns: int) -> list[T]:
 
 @dataclass
 class _LinkedView:
-    """What a viewer knows of one camera: when its pictures came, the one that waits, and those that were painted."""
+    """A viewer's knowledge of one camera: when its pictures came, the one that waits, and those that were painted."""
 
     came: VideoFrame
     shown: VideoFrame
@@ -148,7 +148,7 @@ class Viewer:
                 view.shown = frame
 
     def shown(self, now_ns: int) -> dict[str, ViewShown]:
-        """What its console reports."""
+        """Report what its console shows."""
         since_ns, shown = now_ns - NS_PER_S, {}
         for camera, view in self._views.items():
             came_fps = float(sum(t_ns > since_ns for t_ns in view.came_ns))

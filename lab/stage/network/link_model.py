@@ -14,7 +14,7 @@ FLOW = slice(12, 24)  # of an IPv4 packet without options: addresses and ports
 
 @dataclass
 class Impairment:
-    """What a link does to packets, the same in both directions.
+    """The effects of a link on packets, the same in both directions.
 
     The delay is one way, and varies by up to `jitter_ms` to either side: a normal distribution with half of that as its
     standard deviation, cut off there. The packets of a flow keep their order unless the link `reorders`. `loss` and
@@ -79,7 +79,7 @@ class LinkModel:
 
     @property
     def due_ns(self) -> int | None:
-        """When the next packet leaves the link; None without one."""
+        """The time when the next packet leaves the link; None without one."""
         return self._waiting[0][0] if self._waiting else None
 
     def _travel(self, packet: bytes, due_ns: int) -> None:

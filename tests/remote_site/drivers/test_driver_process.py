@@ -187,6 +187,7 @@ def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, comma
     assert rig.watch(lambda _: True).sent.q[0] == pytest.approx(report.sent.q[0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig, commander):
     terminal = Terminal.create()
     robot = Children("remote")

@@ -31,6 +31,7 @@ class EncodedStates:
         self.newest = decode(encode(state), RobotState, 100_000)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_any_samples_that_the_wire_accepts_leave_control_cycles_that_can_be_sent_and_kept(tmp_path: Path, seed: int):
     loop, hostile, states = DrivenLoop(), HostileHand(seed), EncodedStates()

@@ -1,4 +1,4 @@
-"""How an arm handles a flask, frame by frame: it reaches, grasps, carries, sets down, in the camera's frame."""
+"""Handling of a flask, frame by frame: the arm reaches, grasps, carries, sets down, in the camera's frame."""
 
 from bisect import bisect_right
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ GRASPING_Y = TABLE_Y - FLASK_HALF_M
 
 @dataclass(frozen=True, slots=True)
 class PalmStop:
-    """Where the palm rests: its position (3,) in m, and how far the forearm is turned about its axis, rad."""
+    """The pose of a resting palm: its position (3,) in m, and how far the forearm is turned about its axis, rad."""
 
     palm: tuple[float, float, float]
     roll: float = 0.0

@@ -114,6 +114,7 @@ class Rig:
         return float((steps / (SETUP.limits.velocity * period_s)).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate_hz", [30.0, 100.0, 500.0])
 @pytest.mark.parametrize("pause_ms", MS)
 def test_after_a_pause_no_step_is_longer_and_the_arm_ends_where_the_plan_does(pause_ms: float, rate_hz: float) -> None:
@@ -124,6 +125,7 @@ def test_after_a_pause_no_step_is_longer_and_the_arm_ends_where_the_plan_does(pa
     assert np.diff([q[0] for q in rig.arm.sent]).min() >= -1e-8  # and never goes back
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate_hz", [30.0, 100.0, 500.0])
 @pytest.mark.parametrize("pause_ms", MS)
 def test_after_a_pause_the_arm_goes_no_faster_than_it_would_have(pause_ms: float, rate_hz: float) -> None:
@@ -148,6 +150,7 @@ def test_after_a_pause_the_arm_is_written_no_more_often_than_it_takes_positions(
     assert rig.arm.sent[-1] == pytest.approx(GOAL, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_pauses_by_chance_make_no_step_longer() -> None:
     rng = np.random.default_rng(8)
     for _ in range(12):

@@ -81,6 +81,7 @@ class Rig:
         return (t, *(np.array([getattr(c, key) for c in self.robot.written]) for key in ("q", "dq", "ddq")))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("phase_ms", [0.3, 1.0, 1.9])
 @pytest.mark.parametrize("late_ms", [3.9, 9.0, 15.5, 26.2, 55.0, 90.0])
 def test_a_stumble_slows_the_arm_and_costs_no_full_stop(late_ms, phase_ms):
@@ -107,6 +108,7 @@ def test_a_stumble_slows_the_arm_and_costs_no_full_stop(late_ms, phase_ms):
     assert np.diff(q[:, 0]).min() >= -1e-8  # rounding at the goal
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ticks", [60, 73, 90, 101])
 @pytest.mark.parametrize("late_ms", [26.2, 55.0, 90.0, 200.0, 333.0])
 def test_a_slow_robot_goes_through_a_stumble_at_its_speeds_too(late_ms, ticks):
@@ -208,6 +210,7 @@ class LateRig:
         return max(speed / LIMITS.velocity), max(acceleration / LIMITS.acceleration), max(jerk / LIMITS.jerk)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late_ms", [3.7, 5.0, 7.9, 11.9, 16.1, 27.5, 48.0])
 @pytest.mark.parametrize(("call", "begin_ms"), [("read", 60.0), ("read", 240.6), ("write", 60.0), ("write", 151.3)])
 def test_after_a_late_driver_the_robot_sees_no_more_than_the_limits_by_the_clock(late_ms, call, begin_ms):

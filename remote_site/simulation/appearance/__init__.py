@@ -1,1 +1,0 @@
-"""Looks of the simulated cell: textures, prints, furniture, and light baked into all that stands still."""
