@@ -27,7 +27,7 @@ class AgeLimit(NamedTuple):
 
     @property
     def stretch(self) -> float:
-        """How many times longer than at full speed a target is extrapolated, for an arm that is slower."""
+        """The factor by which targets are extrapolated for longer than at full speed, for an arm that is slower."""
         return max(self.soft_ns / FULL_SPEED_NS, 1.0)
 
 
