@@ -29,7 +29,7 @@ SIMULATED = "simulated"
 
 
 class RecordingStart:
-    """When the recordings of a rig began: all together, as soon as the first of them is read."""
+    """The time at which a rig's recordings began: all together, as soon as the first of them is read."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock, self._lock = clock, threading.Lock()
@@ -106,7 +106,7 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
     @property
     def is_simulated(self) -> bool:
-        """Whether the operator is a simulated one."""
+        """Return whether the operator is a simulated one."""
         return self.left == SIMULATED
 
     @property

@@ -21,7 +21,7 @@ def refuse_same(sources: Mapping[str, Source]) -> None:
 
 
 def _likeness(one: str, other: str) -> str:
-    """What two sources have in common, if they are one; else empty."""
+    """Say what two sources have in common if they are one; empty if they are not."""
     a, b = (Path(device_of(source) or source) for source in (one, other))
     if one == other or a.resolve() == b.resolve():
         return "are the same"

@@ -41,7 +41,7 @@ class CellClock(Protocol):
 
 
 class PageHandler(Protocol):
-    """What handles the pages' messages: that of a live cell, or that of a replay."""
+    """Handler of the pages' messages: that of a live cell, or that of a replay."""
 
     seat: Seat
     settings: OperatorSettings | None
@@ -134,7 +134,7 @@ class Hub:
         self._send_tools(now_ns)
 
     def recording(self, notice: RecordingNotice) -> None:
-        """The recorder of the operator's side has told what it does."""
+        """The recorder of the operator's side has reported what it does."""
         self._newest = replace(self._newest, notice=notice, notice_ns=self._clock.now_ns())
 
     def camera(self, frame: VideoFrame) -> None:
@@ -207,7 +207,7 @@ class Hub:
         page.send(type="cell", cell=msgspec.to_builtins(cell))
 
     def _show(self, view: str, frame: VideoFrame, clock: ClockOffset | None) -> bool:
-        """Whether any page can decode it."""
+        """Send a picture to all pages; return whether any of them can decode it."""
         if not self._pages:
             return False
         outgoing = view_frame(view, frame, clock)

@@ -58,7 +58,7 @@ class Requests(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Outlets:
-    """Where the operator's intent and what is shown go."""
+    """The outlets for the operator's intent and for what is shown."""
 
     intent: Callable[[OperatorIntent], object]
     shown: Callable[[ViewsShown], object]
@@ -218,7 +218,7 @@ class PageMessageHandler:
         self._pools.stop(page, message.id)
 
     def _act(self, page: Page, message: Ask) -> Callable[[], Reply]:
-        """What asks for an engagement or a reset until something withdraws it, or for an end of the engagement."""
+        """Return what asks for an engagement or a reset until something withdraws it, or for the engagement's end."""
         action, seen_ns = message.action, int(message.seen)
         if action is not EngagementAction.DISENGAGE:
             standing = self._pools.standing

@@ -98,7 +98,7 @@ class PathRun:
         self._approach = PathProgress(approach(target.transform(), self._progress.target), 1.0, stepwise=False)
 
     def _advance(self, now_ns: int, elapsed_s: float, state: RobotState) -> Array:
-        """Where the tool is led to now (4 x 4), and the gripper's toggle where one is due."""
+        """Advance the run; return where the tool is led to now (4 x 4), and toggle the gripper where that is due."""
         leading = self._approach or self._progress
         hindered = _hindered(leading, state)
         command = leading.advance(elapsed_s, state.gripper, hindered)
@@ -120,7 +120,7 @@ class PathRun:
         return f"runs at {progress.speed:.0%} speed{way_point}{stands}"
 
     def _refusal(self, state: RobotState) -> str:
-        """Why no run may begin or go on, with the cure; empty when it may."""
+        """Say why no run may begin or go on, with the cure; empty when it may."""
         locked = why_not_led(self._mapping, state.settings or OperatorSettings())
         if locked or self._engagement:
             return locked
@@ -136,7 +136,7 @@ class PathRun:
 
 
 def _hindered(leading: PathProgress, state: RobotState) -> str:
-    """Why the path stands, since the arm is not where it is led to; empty when it is near enough."""
+    """Say why the path stands, since the arm is not where it is led to; empty when it is near enough."""
     if leading.acts and (off := _off(leading, state)):
         return f"the gripper waits, {off}"
     way = float(np.linalg.norm(leading.target[:3, 3] - state.base_T_tool.transform()[:3, 3]))
@@ -144,7 +144,7 @@ def _hindered(leading: PathProgress, state: RobotState) -> str:
 
 
 def _off(leading: PathProgress, state: RobotState) -> str:
-    """How far the arm stands from where the path stands, and why; empty when it is there."""
+    """Say how far the arm is from where the path stands, and why; empty when it is there."""
     wanted, measured = leading.target, state.base_T_tool.transform()
     way = float(np.linalg.norm(wanted[:3, 3] - measured[:3, 3]))
     turn = angle_between(wanted[:3, :3], measured[:3, :3])

@@ -66,7 +66,7 @@ class MarkerWatch:
         self._newest[view] |= {m: _Looked(t_ns, projection, found.corners.get(m, ())) for m in reached}
 
     def sightings(self, now_ns: int) -> list[MarkerSighting]:
-        """What is known of each marker now, in the order of the targets that name them."""
+        """Return what is known of each marker now, in the order of the targets that name them."""
         return [self._sighting(marker, now_ns) for marker in self._sizes]
 
     def _sighting(self, marker: int, now_ns: int) -> MarkerSighting:

@@ -1,4 +1,4 @@
-"""How fast the tool catches up with a target that it was left behind, beyond the target's own motion; pure."""
+"""Catch-up with a target that the tool was left behind: its speed beyond the target's own motion; pure."""
 
 import math
 from collections.abc import Callable
@@ -58,7 +58,7 @@ class CatchUp:
         self._spare = spare
 
     def left(self, late: Numbers, since_ns: int) -> Numbers:
-        """What is left of a slow part after a time."""
+        """Compute what is left of a slow part after a time."""
         decay = math.exp(-self.rate * max(since_ns, 0) / NS_PER_S)
         return [amount * decay for amount in late]
 

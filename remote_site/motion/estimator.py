@@ -19,7 +19,7 @@ Clamp = Callable[[Numbers, Numbers], tuple[Numbers, Numbers]]
 
 
 class Transition(NamedTuple):
-    """What a time does to a state, by Singer's model of a manoeuvring target: the acceleration decays."""
+    """The change of a state in a time, by Singer's model of a manoeuvring target: the acceleration decays."""
 
     seconds: float
     way: float  # for each unit of acceleration
@@ -81,7 +81,7 @@ class TargetEstimator:
         return min(self._usual_s, interval_s)
 
     def at(self, t_ns: int) -> Numbers:
-        """Where the target is at a time, by the newest sample."""
+        """Compute where the target is at a time, by the newest sample."""
         return [position for position, *_ in Transition.over((t_ns - self.sample_ns) / NS_PER_S).of(self.states)]
 
     def _bounded(self, states: list[State]) -> list[State]:

@@ -21,7 +21,7 @@ class FilterGains(NamedTuple):
 
 
 class Correlation:
-    """How much successive deviations agree: deviations to alternating sides are noise."""
+    """The agreement of successive deviations: deviations to alternating sides are noise."""
 
     def __init__(self, size: int, memory: float) -> None:
         self._memory, self._mean, self._square = memory, [0.0] * size, 0.0

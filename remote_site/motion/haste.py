@@ -1,4 +1,4 @@
-"""How hurried a target's motion is, and how much of it is therefore extrapolated; pure."""
+"""Haste of a target's motion, and how much of it is therefore extrapolated; pure."""
 
 import math
 

@@ -35,7 +35,7 @@ class MotionPlanner:
 
     @property
     def hindrance(self) -> Reason | None:
-        """Why the arm does not follow the target fully, None while it does."""
+        """The reason why the arm does not follow the target fully, None while it does."""
         return self._hindrance or self._obstacle
 
     def pace(self, sent: JointMotion) -> float:

@@ -37,7 +37,7 @@ class Bounds(Protocol):
         """The convergence rate in rad/s, `wanted` or slower, for what position and velocity have to lose."""
 
     def tool_speed(self, q: Numbers, dq: Numbers) -> tuple[float, float]:
-        """How fast the tool moves (m/s) and turns (rad/s) when the target is at `q` and moves with `dq`."""
+        """Compute how fast the tool moves (m/s) and turns (rad/s) when the target is at `q` and moves with `dq`."""
 
     def effort(self, dq: Numbers, ddq: Numbers, speed: float) -> float:
         """The fraction of the greatest accelerations that these are, or more for an arm slowed to the fraction `speed`.
@@ -137,7 +137,7 @@ class TargetPredictor:
 
     @property
     def delay_ns(self) -> int:
-        """How long ago the hand was where the target is."""
+        """The time since the hand was where the target is, ns."""
         return self._delay_ns
 
     def reset(self, t_ns: int, q: Array) -> None:
@@ -189,13 +189,13 @@ class TargetPredictor:
         return np.array(positions), np.array(velocities), np.array(bounded)
 
     def _learn_delay(self, age_ns: int) -> None:
-        """How much older than what is made up for the samples are."""
+        """Learn how much older the samples are than what is made up for."""
         older_ns = max(age_ns - MADE_UP_NS, 0)
         self._delay_ns += older_ns if self._is_first else round(DELAY_MEMORY * (older_ns - self._delay_ns))
         self._is_first = False
 
     def _at_end(self) -> Numbers:
-        """Where the extrapolation ends."""
+        """Compute where the extrapolation ends."""
         return self._estimator.at(self._end_ns - self._delay_ns)
 
     def _turn_to(self, t_ns: int, states: list[State], now_ns: int, rate: float) -> None:

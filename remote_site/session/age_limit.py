@@ -27,7 +27,7 @@ class AgeLimit(NamedTuple):
 
     @property
     def stretch(self) -> float:
-        """How many times longer than at full speed a target is extrapolated, for an arm that is slower."""
+        """The factor by which targets are extrapolated for longer than at full speed, for an arm that is slower."""
         return max(self.soft_ns / FULL_SPEED_NS, 1.0)
 
 
@@ -88,7 +88,7 @@ class AgeLimitChoice:
         return (self._soft_ns, self._soft_ns) if self._is_fixed else (self._least_ns, self._most_ns)
 
     def _beyond_any_limit(self) -> Reason | None:
-        """Why this link cannot be operated: most of its samples grow older than any limit allows."""
+        """Say why this link cannot be operated: most of its samples grow older than any limit allows."""
         age_ns, oldest_ns = self._ages.usual_ns()
         if oldest_ns <= self._most_ns:
             return None
@@ -96,7 +96,7 @@ class AgeLimitChoice:
         return reason(Code.LINK_TOO_SLOW, age_ms=age_ns / NS_PER_MS, most_ms=most_ns / NS_PER_MS)
 
     def _too_rare(self) -> Reason | None:
-        """Why no samples come in a row without a gap beyond the limit: their sender captures too few a second."""
+        """Say why no samples come in a row without a gap beyond the limit: their sender captures too few a second."""
         if self._spacing_ns < self._soft_ns:
             return None
         return reason(Code.SAMPLES_RARE, interval_ms=self._spacing_ns / NS_PER_MS, limit_ms=self._soft_ns / NS_PER_MS)

@@ -37,7 +37,7 @@ class Clutch:
             self._calm = None
 
     def reason(self) -> Reason | None:
-        """Why the arm waits, None while it need not."""
+        """Say why the arm waits; None while it need not."""
         if self._latch.key is ClutchKey.DOWN:
             return HELD
         if self._latch.key is ClutchKey.UNSEEN:
@@ -67,7 +67,7 @@ class Clutch:
 
 
 def _moved(first: Accepted, newest: Accepted) -> bool:
-    """Whether the hand has moved, turned, opened or closed from one sample to another."""
+    """Return whether the hand has moved, turned, opened or closed from one sample to another."""
     if math.dist(first.position.tolist(), newest.position.tolist()) > CALM_M:
         return True
     if first.sample.hand_open != newest.sample.hand_open:

@@ -1,4 +1,4 @@
-"""Whether the hand samples may be followed: their age, how many came in a row, what is wrong with them; pure."""
+"""Signal of the hand: whether its samples may be followed, by age, number in a row, and what else is wrong; pure."""
 
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.reasons import Code, Reason, reason
@@ -39,7 +39,7 @@ class HandSignal:
 
     @property
     def frames(self) -> int:
-        """How many good samples in a row an engagement needs now."""
+        """The number of good samples in a row that an engagement needs now."""
         if self._proven_ns is None or self._born_ns is None or self._born_ns - self._proven_ns > AGAIN_NS:
             return self._engagement_frames
         return min(self._engagement_frames, AGAIN_FRAMES)
@@ -83,13 +83,13 @@ class HandSignal:
                 self._trouble = result.reason
 
     def too_old(self, now_ns: int) -> Reason | None:
-        """Why the engagement must end, None while the newest good sample is younger than T_latch."""
+        """Say why the engagement must end; None while the newest good sample is younger than T_latch."""
         if self._age_ns(now_ns) <= self._latch_ns:
             return None
         return self._trouble or self._stale(now_ns, self._latch_ns)
 
     def unfit(self, now_ns: int) -> Reason | None:
-        """Why the newest hand sample must not be followed now."""
+        """Say why the newest hand sample must not be followed now."""
         if self._trouble is not None:
             return self._trouble
         if self._born_ns is None:
@@ -97,18 +97,18 @@ class HandSignal:
         return self._stale(now_ns, self.soft_ns) if self._age_ns(now_ns) > self.soft_ns else None
 
     def unanswered(self, now_ns: int) -> Reason | None:
-        """Why no engagement can begin: the questions that its sender asks the remote site are not answered."""
+        """Say why no engagement can begin: the questions that its sender asks the remote site are not answered."""
         age_ns = now_ns - self._answered_ns
         if age_ns <= ANSWERED_NS:
             return None
         return reason(Code.OLD_OFFSET, age_ms=age_ns / NS_PER_MS, limit_ms=ANSWERED_NS / NS_PER_MS)
 
     def too_slow(self) -> Reason | None:
-        """Why no engagement can begin with samples that come so old or so rarely."""
+        """Say why no engagement can begin with samples that come so old or so rarely."""
         return self._limit.too_slow
 
     def collecting(self, needed: int) -> Reason | None:
-        """How many good samples are still missing, None if enough have come in a row."""
+        """Say how many good samples are still missing; None if enough have come in a row."""
         return reason(Code.COLLECTING, count=min(self.good, needed), needed=needed) if self.good < needed else None
 
     def _age_ns(self, now_ns: int) -> int:

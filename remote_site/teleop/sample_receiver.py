@@ -35,7 +35,7 @@ class SampleReceiver:
 
     @property
     def rejected(self) -> Counter[Code]:
-        """How many samples were refused, by code."""
+        """The numbers of samples that were refused, by code."""
         return self._validator.rejected
 
     @property
@@ -44,7 +44,7 @@ class SampleReceiver:
         return self._hand_link.network_ms
 
     def figures(self, now_ns: int) -> HandLink | None:
-        """What the way of the last seconds' samples was like."""
+        """Return figures of the way that the last seconds' samples took."""
         return self._hand_link.figures(now_ns)
 
     def settle(self, pace: float) -> AgeLimit:

@@ -57,7 +57,7 @@ class TargetTime:
 
 
 class ToolTarget:
-    """Where the tool should be: `base_T_tool` (4 x 4), relative to both origins of the `engagement`.
+    """The tool's target: `base_T_tool` (4 x 4), relative to both origins of the `engagement`.
 
     `reference` is what the next targets count from; None where that does not outlast a hold.
     """
@@ -151,7 +151,7 @@ class ToolTarget:
         return self._bounded_sample(base_T_led.copy(), sent, measured, sample, now_ns, LED_SPARE)
 
     def rebase(self, sample: Accepted, settings: OperatorSettings) -> None:
-        """Take both origins anew, the tool's at its present target: the target does not move by it."""
+        """Take both origins again, the tool's at its present target: the target does not move by it."""
         self._mapping.steer(settings, sample.position, sample.operator_R_hand, self.base_T_tool)
         self._mapping.engage(sample.position, sample.operator_R_hand, self.base_T_tool)
         self._offset.clear()
@@ -171,7 +171,7 @@ class ToolTarget:
         return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, spare=spare, boxed=boxed)
 
     def _boxed(self, wanted: Array) -> Reason | None:
-        """Why the box holds a target at a position (3,) that the hand asks for."""
+        """Say why the box holds a target at a position (3,) that the hand asks for."""
         excess_m = self._workspace.excess(wanted)
         return reason(Code.OUTSIDE_BOX, excess_mm=1e3 * excess_m) if excess_m > FELT_EXCESS_M else None
 
@@ -182,7 +182,7 @@ class ToolTarget:
         return min(elapsed_ns / NS_PER_S, LONGEST_STEP_S)
 
     def _strayed(self, sample: Accepted, since_ns: int) -> bool:
-        """Whether the hand went too far from `since_ns` to this sample, if evenly since the last one followed."""
+        """Return whether the hand went too far from `since_ns` to this sample, if evenly since the last followed."""
         last = self._followed
         if last is None or sample.born_ns <= last.born_ns:
             return True
@@ -194,7 +194,7 @@ class ToolTarget:
         return fraction * way > MOST_M or fraction * turned > MOST_RAD
 
     def _shift(self, sample: Accepted, base_T_tool: Array, engagements: int) -> tuple[float, float]:
-        """How far new origins move the target within an engagement, mm and deg."""
+        """Compute how far new origins move the target within an engagement, mm and deg."""
         if self.engagement is None or self.engagement.number != engagements:
             return 0.0, 0.0
         former = self._mapping.target(sample.position, sample.operator_R_hand)

@@ -55,7 +55,7 @@ class PlayedMotion:
         return self._braked_s >= max(stop.duration for stop in self._stops) + HOLD_S
 
     def step(self, ticks: int, now_ns: int) -> Array:
-        """Where the joints are to be (7,) rad at `now_ns`, `ticks` milliseconds after the last step."""
+        """Compute where the joints are to be (7,) rad at `now_ns`, `ticks` milliseconds after the last step."""
         if self._stops is None:
             self._follow(ticks, now_ns)
         if self._stops is not None:
