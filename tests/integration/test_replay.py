@@ -13,6 +13,7 @@ from common.config.loading import load_config
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from farhand.authority.engage import request_engage, request_maintenance
+from farhand.loopback.site_process import options_of
 from remote_site.config import RemoteConfig
 from tests.integration.sites import CELL, LIGHT_REMOTE, PATIENT, Sites, descendants, name_of, running_sites
 from tests.remote_site.teleop.cycle_log import first_difference, read_cycles
@@ -78,9 +79,8 @@ def test_every_command_of_a_run_comes_again_bit_for_bit(tmp_path: Path) -> None:
     log = tmp_path / "cycles"
     with running_sites() as sites:
         settings = (*SETTINGS, f"links.control={sites.control}", f"links.video={sites.video}")
-        arguments = [part for setting in settings for part in ("--set", setting)]
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "STATE_DIRECTORY": str(tmp_path)}
-        remote = subprocess.Popen([sys.executable, str(SCRIPT), str(log), *arguments], env=environment)
+        remote = subprocess.Popen([sys.executable, str(SCRIPT), str(log), *options_of(settings)], env=environment)
         try:
             local = sites.local(f"authority.operator={OPERATOR}")
             sites.wait_for_states()

@@ -12,8 +12,8 @@ import msgspec
 from common.errors import ProcessError
 from common.link.transport import open_link
 from farhand.loopback.recorder import Recorder
-from farhand.loopback.run import RunningSites
-from farhand.loopback.site_process import SiteProcess, free_ports, listens, module_command
+from farhand.loopback.running_sites import RunningSites
+from farhand.loopback.site_process import SiteProcess, free_ports, listens, module_command, options_of, start_site
 from lab.experiments.placing.live.judgement import TrialJudgement
 from lab.experiments.placing.live.pace import LiveResult, live_result
 from lab.experiments.placing.live.plan import CELL, LivePlan, live_plan
@@ -52,11 +52,11 @@ def _play(plan: LivePlan, judgement: Path, runtime: Path, sites: RunningSites) -
     """Start everything, and return when the operator has left; the links are closed then."""
     with ExitStack() as stack:
         state = {"STATE_DIRECTORY": str(runtime)}
-        sites.add(_process("remote", JUDGED_REMOTE, [str(judgement), "remote", *_set(plan.remote)], state))
+        sites.add(_process("remote", JUDGED_REMOTE, [str(judgement), "remote", *options_of(plan.remote)], state))
         control = stack.enter_context(open_link(connect=(plan.control, plan.listen)))
         sites.listen(Recorder(control, control, CELL, ()))
-        sites.add(_process("local", LED_LOCAL, [plan.sitting.led_by, "local", *_set(plan.local)], state))
-        sites.start("console", _set(plan.console), runtime)
+        sites.add(_process("local", LED_LOCAL, [plan.sitting.led_by, "local", *options_of(plan.local)], state))
+        sites.add(start_site("console", options_of(plan.console), runtime))
         _wait("the console", START_TIMEOUT_S, sites, lambda: listens(plan.sitting.port))
         operator = operator_process(plan)
         stack.callback(operator.end)
@@ -64,10 +64,6 @@ def _play(plan: LivePlan, judgement: Path, runtime: Path, sites: RunningSites) -
         _wait("the operator", most_s, sites, lambda: operator.exit_code is not None)
         if operator.exit_code:
             raise ProcessError(f"the operator left its page: {operator.last_error()}; {sites.last_errors()}")
-
-
-def _set(settings: Sequence[str]) -> list[str]:
-    return [part for setting in settings for part in ("--set", setting)]
 
 
 def _process(name: str, module: str, arguments: Sequence[str], environment: dict[str, str]) -> SiteProcess:
