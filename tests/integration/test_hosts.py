@@ -13,6 +13,7 @@ from common.clock import NS_PER_S
 from common.link.channels import INTENT
 from common.messages.hand import Intent, OperatorIntent
 from common.messages.robot import SessionState
+from farhand.loopback.site_process import options_of
 from tests.integration.sites import (
     CELL,
     LIGHT_LOCAL,
@@ -39,14 +40,8 @@ def in_another_time() -> bool:
 
 @contextmanager
 def local_an_hour_ahead(sites: Sites) -> Iterator[None]:
-    settings = (
-        *(f"links.{name}={where}" for name, where in (("remote", sites.control), ("listen", sites.listen))),
-        f"cell={CELL}",
-        "authority.operator=anna",
-        *LIGHT_LOCAL,
-    )
-    arguments = [part for setting in settings for part in ("--set", setting)]
-    process = subprocess.Popen([*IN_ANOTHER_TIME, sys.executable, "-m", "farhand", "local", *arguments])
+    settings = *sites.endpoints.local, "authority.operator=anna", *LIGHT_LOCAL
+    process = subprocess.Popen([*IN_ANOTHER_TIME, sys.executable, "-m", "farhand", "local", *options_of(settings)])
     try:
         yield
     finally:
