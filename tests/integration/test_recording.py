@@ -11,7 +11,7 @@ from common.errors import TransportError
 from common.link.channels import PREVIEW, RECORDING
 from common.messages.recording import EpisodeOutcome, RecordingNotice, RecordingState
 from common.messages.requests import RecordAction
-from common.messages.robot import SessionState
+from common.messages.robot import FOLLOWING
 from common.recording.reader import RecordingReader
 from common.recording.repair import repair
 from farhand.authority.engage import request_engage
@@ -61,7 +61,7 @@ def test_the_holder_records_and_a_killed_recorder_costs_a_second_and_the_arm_not
         os.kill(recorder.pid, signal.SIGKILL)
         killed_ns = time.monotonic_ns()
         sites.wait("its end", lambda: sites.state.recording is None)
-        assert sites.state.state in (SessionState.ENGAGED, SessionState.HOLDING) or was_late(sites.state.reason)
+        assert sites.state.state in FOLLOWING or was_late(sites.state.reason)
     (path,) = out.iterdir()
     assert not repair(path).was_whole
     with RecordingReader(path) as reader:
