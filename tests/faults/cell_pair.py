@@ -2,7 +2,6 @@
 
 import shutil
 import struct
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -15,7 +14,6 @@ import numpy as np
 from common.clock import NS_PER_S
 from common.config.loading import load_config
 from common.errors import ProcessError
-from common.link.config import LinkSecurity
 from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.link.transport import Link, open_link
@@ -34,7 +32,6 @@ from remote_site.kinematics.limits import JointLimits
 from tests.faults.driver_log import DriverLog
 from tests.faults.pair_setup import A465, CELL, OPERATOR, PairSetup
 
-FARHAND = (sys.executable, "-m", "farhand")
 PATIENCE_S = 90.0
 MOVING_RAD_S = 0.15
 CIRCLE_M, CIRCLE_HZ = (0.05, 0.04, 0.04), 0.5  # up to two thirds of what joint 3 can accelerate
@@ -56,9 +53,9 @@ class CellPair:
         self.stack = ExitStack()
         folder = Path(tempfile.mkdtemp(prefix="farhand-faults-", dir=MEMORY))
         self.stack.callback(shutil.rmtree, folder, ignore_errors=True)
-        self._setup = PairSetup.make(folder, settings, protocol, two_hosts=network is not None)
-        self._sites = StagedSites(self._setup.environment())
-        self.config = load_config(RemoteConfig, None, self._setup.remote)
+        self.setup = PairSetup.make(folder, settings, protocol, two_hosts=network is not None)
+        self._sites = StagedSites(self.setup.environment())
+        self.config = load_config(RemoteConfig, None, self.setup.remote)
         self.scripted = CommandedHand(folder / "hand", self.config)
         self.model = self.scripted.model
         self.limits = JointLimits.from_model(self.model, self.config.robot)
@@ -67,36 +64,21 @@ class CellPair:
 
     def link_of(self, operator: str) -> Link:
         """A link of an operator to the remote site, with the certificate of that name where there are any."""
-        link = open_link(connect=(self._setup.endpoints.control,), security=self._setup.security_of(operator))
+        link = open_link(connect=(self.setup.endpoints.control,), security=self.setup.security_of(operator))
         return self.stack.enter_context(link)
 
     def viewer(self) -> Link:
         """A link of a viewer, at the endpoint for viewers."""
-        return open_link(connect=(self._setup.viewers,), security=self._setup.security_with("viewer"))
+        return open_link(connect=(self.setup.viewers,), security=self.setup.security_with("viewer"))
 
     def maintenance(self) -> Link:
         """A link of maintenance to the remote site."""
-        return open_link(connect=(self._setup.endpoints.control,), security=self._setup.security_with("maintenance"))
-
-    @property
-    def control(self) -> str:
-        """The remote site's control endpoint."""
-        return self._setup.endpoints.control
-
-    @property
-    def video(self) -> str:
-        """The remote site's endpoint of pictures."""
-        return self._setup.endpoints.video
-
-    @property
-    def security(self) -> LinkSecurity:
-        """How the operator's links connect."""
-        return self._setup.security
+        return open_link(connect=(self.setup.endpoints.control,), security=self.setup.security_with("maintenance"))
 
     @property
     def folder(self) -> Path:
         """Where the pair's files and sockets are."""
-        return self._setup.folder
+        return self.setup.folder
 
     @property
     def remote(self) -> SiteProcess:
@@ -110,7 +92,7 @@ class CellPair:
 
     def start(self) -> None:
         """Start both sites, and the robot where it is a process of its own."""
-        if A465 in self._setup.driver_settings:
+        if A465 in self.setup.driver_settings:
             self._start("robot", module_command("tests.faults.emulated_robot", self.folder))
             self.wait("the robot", (self.folder / "line").exists)
         self.start_remote()
@@ -120,7 +102,7 @@ class CellPair:
         """Start the remote site, with other settings than the pair's perhaps, and wait for its first state."""
         self._sites.end_named("remote")
         before = len(self.states)
-        self._start("remote", [*FARHAND, "remote"], (*self._setup.remote, *settings))
+        self._start("remote", module_command("farhand", "remote"), (*self.setup.remote, *settings))
         self.wait("the remote site", lambda: len(self.states) > before)
 
     def start_local(self) -> None:
@@ -128,7 +110,7 @@ class CellPair:
         commands = module_command("lab.stage.stand_ins.scripted_local", self.folder / "hand")
         self._sites.end_named("local")
         self.scripted.forget()
-        self._start("local", [*self._beyond, *commands], self._setup.local)
+        self._start("local", [*self._beyond, *commands], self.setup.local)
         self.wait("the scripted operator", (self.folder / "hand").exists)
 
     def start_path(self, task: str) -> None:
@@ -136,7 +118,7 @@ class CellPair:
         self._sites.end_named("local")
         file = self.folder / "task.toml"
         file.write_text(task)
-        self._start("local", [*self._beyond, *FARHAND, "teach", "run", str(file)], self._setup.local)
+        self._start("local", [*self._beyond, *module_command("farhand", "teach", "run", file)], self.setup.local)
 
     @property
     def console(self) -> SiteProcess:
@@ -146,7 +128,7 @@ class CellPair:
     def start_console(self) -> int:
         """Start the operator's console beside the local site; the port of its page."""
         (port,) = free_ports(1)
-        self._start("console", [*self._beyond, *FARHAND, "console"], self._setup.console(port))
+        self._start("console", [*self._beyond, *module_command("farhand", "console")], self.setup.console(port))
         return port
 
     def end_console(self) -> None:

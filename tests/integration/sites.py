@@ -3,7 +3,7 @@
 import os
 import signal
 import tempfile
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from unittest.mock import patch
@@ -57,16 +57,16 @@ class Sites:
         """Start a remote site; its states come a few seconds later."""
         return self.start("remote", *self.endpoints.remote, *LIGHT_REMOTE, *settings, program=program)
 
-    def local(self, *settings: str) -> SiteProcess:
-        """Start a local site with a simulated operator, who wears markers."""
-        return self.start("local", *self.endpoints.local, *LIGHT_LOCAL, *settings)
+    def local(self, *settings: str, within: Sequence[str] = ()) -> SiteProcess:
+        """Start a local site with a simulated operator, who wears markers; `within` is what begins its command."""
+        return self.start("local", *self.endpoints.local, *LIGHT_LOCAL, *settings, within=within)
 
-    def start(self, name: str, *settings: str, program: str = "farhand") -> SiteProcess:
+    def start(self, name: str, *settings: str, program: str = "farhand", within: Sequence[str] = ()) -> SiteProcess:
         """Start a process of this cell."""
         systemd = Systemd(self._runtime / f"notify-{len(self._staged.processes)}")
         self.stack.callback(systemd.close)
         with patch.dict(os.environ, NOTIFY_SOCKET=str(systemd.path)):
-            process = self._staged.start(name, module_command(program, name), settings)
+            process = self._staged.start(name, [*within, *module_command(program, name)], settings)
         self.systemd[process.pid] = systemd
         return process
 
