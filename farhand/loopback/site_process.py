@@ -81,12 +81,9 @@ class SiteProcess:
                     self.events.append(f"{self.name}: {line.rstrip()}")
 
 
-def start_site(name: str, arguments: Sequence[str], runtime: Path, program: str = "farhand") -> SiteProcess:
-    """Start a command of this installation; `runtime` is the folder of its state, to end with whoever starts it.
-
-    `program` is the module whose command it is.
-    """
-    return SiteProcess(name, module_command(program, name, *arguments), {"STATE_DIRECTORY": str(runtime)})
+def start_site(name: str, arguments: Sequence[str], runtime: Path) -> SiteProcess:
+    """Start a command of this installation; `runtime` is the folder of its state, to end with whoever starts it."""
+    return SiteProcess(name, module_command("farhand", name, *arguments), {"STATE_DIRECTORY": str(runtime)})
 
 
 def module_command(module: str, *arguments: str) -> list[str]:
