@@ -25,7 +25,7 @@ arms: $(READY)  ## files of several makers' arms, as they publish them, for the 
 
 dataset-readers: $(READERS)/ready  ## programs of others that read exported datasets, in an environment of their own, for the tests
 
-test: $(READY)  ## the tests, two at once, but for those of the lab and those that take long
+test: $(READY)  ## the quick tests, two at once
 	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder --ignore tests/lab $(ARGS)
 
 test-lab: $(READY)  ## the tests of the lab, which measures Farhand

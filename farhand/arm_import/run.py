@@ -32,7 +32,7 @@ from remote_site.simulation.config import NAMES
 
 @dataclass(frozen=True, slots=True)
 class ImportRequest:
-    """What is imported into `out`, a TOML file, and what the user says of it."""
+    """The arm to import into `out`, a TOML file, and what the user says of it."""
 
     urdf: Path
     out: Path

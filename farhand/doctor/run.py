@@ -92,7 +92,7 @@ def which_site(path: Path) -> list[type[Configuration]]:
 
 
 def examine_config(config: Configuration) -> list[Finding]:
-    """What a configuration without mistakes names."""
+    """Examine what a configuration without mistakes names."""
     if isinstance(config, RemoteConfig):
         return examine_remote(config)
     if isinstance(config, LocalConfig):

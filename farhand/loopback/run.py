@@ -59,7 +59,7 @@ class LoopbackOperator:
         return self.simulated.points(self.beginning.elapsed_s(t_ns))
 
     def openings(self, t_ns: int) -> int:
-        """How often the hand has begun to open by a time."""
+        """Count how often the hand has begun to open by a time."""
         return self.simulated.openings_until(self.beginning.elapsed_s(t_ns))
 
 
@@ -78,7 +78,7 @@ class Loopback:
 
     @property
     def views_are_simulated(self) -> bool:
-        """Whether the remote site renders its views."""
+        """Return whether the remote site renders its views."""
         return self._remote.views_are_simulated
 
     @property
@@ -120,11 +120,11 @@ class Loopback:
         return figures
 
     def slowness(self) -> str | None:
-        """Whether this machine was too slow for the run, None where it was not; once the sites have ended."""
+        """Say why this machine was too slow for the run, None where it was not; once the sites have ended."""
         return too_slow(self.record, self._local.simulation.fps, self._sites.events)
 
     def _recomputed(self, path: Path, printed: Figures) -> Figures:
-        """What the recording of the run is like, and whether it gives the same figures."""
+        """Read the run's recording, and compare the figures that it gives."""
         run = read_run(path, self._remote.cell, self.record)
         return recording_figures(
             path, run, printed, lambda record: run_figures(record, self._operator, self._remote, [])

@@ -43,7 +43,7 @@ class RunningSites:
                 raise ProcessError(f"the {name} site has been silent for 2 s: {self.last_errors()}")
 
     def last_errors(self) -> str:
-        """What is wrong by the states of the last seconds, and the last error or line of each process."""
+        """Say what is wrong by the states of the last seconds, and the last error or line of each process."""
         errors = (f"{site.name}: {site.last_error()}" for site in self.processes)
         return "; ".join([*troubles(list(self.record.states)), *errors])
 

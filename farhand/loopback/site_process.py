@@ -106,7 +106,7 @@ def free_ports(count: int) -> list[int]:
 
 
 def listens(port: int) -> bool:
-    """Whether a process listens on a port of the loopback interface."""
+    """Return whether a process listens on a port of the loopback interface."""
     with socket.socket() as probe:
         probe.settimeout(CONNECT_TIMEOUT_S)
         return probe.connect_ex(("127.0.0.1", port)) == 0

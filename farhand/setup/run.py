@@ -39,7 +39,7 @@ ViewsFor = Callable[[Sequence[Camera], PairingConfig, float], Iterator[Views]]  
 
 @dataclass(frozen=True, slots=True)
 class Tools:
-    """How a setup reaches cameras: their sources, the modes of one, one opened, the views of several; its bar."""
+    """The access of a setup to cameras: their sources, the modes of one, one opened, the views of several; its bar."""
 
     find: Callable[[], Sequence[str]]
     modes: ListModes

@@ -31,7 +31,7 @@ START, SILHOUETTE = "tracking.monocular.start", "silhouette"
 
 @dataclass(frozen=True, slots=True)
 class TrackSources:
-    """What to track: the rig's file, a device, URL, video file or folder of images for each camera, and how.
+    """The sources to track: the rig's file, a device, URL, video file or folder of images for each camera, and how.
 
     `also` is a third and a fourth camera, in the rig's order; `site` the configuration of the local site. Without
     `right`, `left` is the one camera that the configuration of the monocular tracker names.

@@ -39,7 +39,7 @@ class FilmedArm:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeshFilm:
-    """What a film shows; without an `arm` there is nothing to be tracked.
+    """The contents of a film; without an `arm` there is nothing to be tracked.
 
     `size` is (width, height) in px; `empty_s` is how long the room is empty first, after which the operator comes in.
     """

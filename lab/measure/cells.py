@@ -1,4 +1,4 @@
-"""How many cells one router carries: 1, 2, 4, 8, 16 in parallel, with hands and scaled video: latency, CPU, memory."""
+"""Cells that one router carries: 1, 2, 4, 8, 16 in parallel, with hands and scaled video: latency, CPU, memory."""
 
 import time
 from collections.abc import Sequence

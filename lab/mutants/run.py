@@ -94,7 +94,7 @@ def _mutants(target: Target) -> list[Mutant]:
 
 
 def _time_unchanged(tests: tuple[Path, ...]) -> float:
-    """How long the tests take in s; the end where they fail without any change, as they would notice every mutant."""
+    """Measure how long the tests take, s; exit where they fail without a change, as they would notice every mutant."""
     begun = time.monotonic()
     process = _start(partial(_tested, tests))
     process.join()

@@ -10,13 +10,13 @@ from common.link.config import LinkSecurity, TlsConfig
 
 @dataclass(frozen=True, slots=True)
 class CellCertificates:
-    """What `farhand certificates` has made for a cell; viewers have an authority of their own."""
+    """The certificates of a cell, as `farhand certificates` makes them; viewers have an authority of their own."""
 
     folder: Path
     cell: str
 
     def security_of(self, who: str) -> LinkSecurity:
-        """How a link connects that shows this certificate."""
+        """The security of a link that shows this certificate."""
         return LinkSecurity(tls=self._tls(who))
 
     def settings_of(self, who: str, table: str = "links.tls") -> tuple[str, ...]:

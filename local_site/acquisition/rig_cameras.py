@@ -11,9 +11,9 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from common.cameras.camera import Camera, Frame
+from common.cameras.camera import Camera, Frame, Source
 from common.cameras.settings import AS_IT_IS, DEFAULT_LATENCY_MS, CameraSettings
-from common.cameras.sources import Source, damage_of, open_camera, recorded_fps
+from common.cameras.sources import damage_of, open_camera, recorded_fps
 from common.clock import Clock
 from common.errors import CameraError, ConfigError
 from local_site.acquisition.same_source import refuse_same

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from itertools import combinations
 from pathlib import Path
 
+from common.cameras.camera import Source
 from common.cameras.images import IMAGE_SUFFIXES
 from common.cameras.modes import device_of
 from common.cameras.shown_source import shown_source
-from common.cameras.sources import Source
 from common.errors import ConfigError
 
 

@@ -44,11 +44,9 @@ class PageHandler(Protocol):
     """What handles the pages' messages: that of a live cell, or that of a replay."""
 
     seat: Seat
-    lease: int
-    late: str
     settings: OperatorSettings | None
 
-    def adopt(self, in_force: OperatorSettings | None, now_ns: int) -> None: ...
+    def adopt(self, in_force: OperatorSettings | None, lease: int, late: str, now_ns: int) -> None: ...
 
     def remember(
         self, view: str, frame: VideoFrame, now_ns: int, clock: ClockOffset | None, *, usable: bool
@@ -117,16 +115,13 @@ class Hub:
 
     def state(self, state: RobotState) -> None:
         """The robot's state has come."""
-        now_ns, lease, newest = self._clock.now_ns(), state.lease, self._newest
-        self._handler.lease = (
-            lease.number if lease is not None and lease.holder == self._hello["operator"] else NO_LEASE
-        )
+        now_ns, held, newest = self._clock.now_ns(), state.lease, self._newest
+        lease = held.number if held is not None and held.holder == self._hello["operator"] else NO_LEASE
         hand_ns = newest.hand_ns if newest.hand is not None else None
-        is_ours = self._handler.lease != NO_LEASE
-        self._handler.late = late_reports(self._handler.seat, hand_ns, state, now_ns) if is_ours else ""
-        state = named(state, self._handler.late)
+        late = late_reports(self._handler.seat, hand_ns, state, now_ns) if lease != NO_LEASE else ""
+        state = named(state, late)
         self._newest = replace(newest, state=state, state_ns=now_ns)
-        self._handler.adopt(state.settings, now_ns)
+        self._handler.adopt(state.settings, lease, late, now_ns)
         self._sent.add_state(state)
         self._history.add_state(state, now_ns)
         self._latencies.add_state(state, now_ns)

@@ -21,8 +21,8 @@ class HandSignal:
     now has to be seen.
     """
 
-    def __init__(self, safety: SafetyConfig, age_limit: AgeLimit, engagement_frames: int) -> None:
-        self._age_limit = age_limit
+    def __init__(self, safety: SafetyConfig, limit: AgeLimit, engagement_frames: int) -> None:
+        self._limit = limit
         self._engagement_frames = engagement_frames
         self._proven_ns: int | None = None
         self._latch_ns = round(safety.t_latch_ms * NS_PER_MS)
@@ -35,7 +35,7 @@ class HandSignal:
     @property
     def soft_ns(self) -> int:
         """The age limit in force."""
-        return self._age_limit.soft_ns
+        return self._limit.soft_ns
 
     @property
     def frames(self) -> int:
@@ -43,6 +43,10 @@ class HandSignal:
         if self._proven_ns is None or self._born_ns is None or self._born_ns - self._proven_ns > AGAIN_NS:
             return self._engagement_frames
         return min(self._engagement_frames, AGAIN_FRAMES)
+
+    def limit_age(self, limit: AgeLimit) -> None:
+        """Take note of the age limit in force."""
+        self._limit = limit
 
     def restart(self) -> None:
         """Reset the count, as for a new local session."""
@@ -101,7 +105,7 @@ class HandSignal:
 
     def too_slow(self) -> Reason | None:
         """Why no engagement can begin with samples that come so old or so rarely."""
-        return self._age_limit.too_slow() or self._age_limit.too_rare()
+        return self._limit.too_slow
 
     def collecting(self, needed: int) -> Reason | None:
         """How many good samples are still missing, None if enough have come in a row."""

@@ -87,15 +87,15 @@ class Answer:
 class Session:
     """DISENGAGED -> ENGAGED <-> HOLDING -> DISENGAGED, FAULT above all; time comes in as nanoseconds of one clock.
 
-    Feed every validated sample to `sample`, the lease in force to `authorise`, and call `tick` once per control tick.
-    What a loss ended never starts again by itself: automatic engagement happens once, and shortly after the start; any
-    other end of an engagement, a reset or a new local session disarms it, and a key or pedal has to be released and
-    pressed again.
+    Feed every validated sample to `sample`, the lease in force to `authorise`, the age limit in force to `limit_age`,
+    and call `tick` once per control tick. What a loss ended never starts again by itself: automatic engagement happens
+    once, and shortly after the start; any other end of an engagement, a reset or a new local session disarms it, and a
+    key or pedal has to be released and pressed again.
     """
 
-    def __init__(self, safety: SafetyConfig, engagement: EngagementConfig, age_limit: AgeLimit) -> None:
+    def __init__(self, safety: SafetyConfig, engagement: EngagementConfig, limit: AgeLimit) -> None:
         self._engagement = engagement
-        self._hand = HandSignal(safety, age_limit, engagement.frames)
+        self._hand = HandSignal(safety, limit, engagement.frames)
         self._intent = EngagementIntent(engagement.mode)
         self.page = OperatorPage()
         self._hold = Hold(safety)
@@ -135,6 +135,10 @@ class Session:
         self._intent.hold.end()
         if self.state in FOLLOWING:
             self._leave(_latched(reason(Code.LEASE_LOST, holder=former.holder)))
+
+    def limit_age(self, limit: AgeLimit) -> None:
+        """Take note of the age limit in force."""
+        self._hand.limit_age(limit)
 
     def sample(self, result: Accepted | Rejected) -> None:
         """Take note of a judged sample."""

@@ -9,7 +9,7 @@ from common.messages.robot import Engagement, MappingReference, Pose
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.leash import Leash
-from remote_site.motion.target_tracker import ToolSample
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.clearance import Workspace
 from remote_site.session.samples import Accepted
@@ -121,13 +121,7 @@ class ToolTarget:
         return True
 
     def aim(
-        self,
-        sample: Accepted,
-        settings: OperatorSettings,
-        q_sent: Array,
-        q_measured: Array,
-        now_ns: int,
-        stretch: float = 1.0,
+        self, sample: Accepted, settings: OperatorSettings, q_sent: Array, q_measured: Array, now_ns: int
     ) -> ToolSample:
         """The target for the newest sample, inside the workspace box and within the leash from the arm (n,) rad.
 
@@ -148,21 +142,13 @@ class ToolTarget:
         self.reference = self._mapping.reference(sample.sample, self._orientation.hand_R_followed)
         self._settings = settings
         spare = max(self._offset.spare + self._orientation.spare - 1.0, 0.0)
-        return self._bounded_sample(target, sent, self._model.forward(q_measured), sample, now_ns, stretch, spare)
+        return self._bounded_sample(target, sent, self._model.forward(q_measured), sample, now_ns, spare)
 
-    def lead(
-        self,
-        base_T_led: Array,
-        sample: Accepted,
-        q_sent: Array,
-        q_measured: Array,
-        now_ns: int,
-        stretch: float = 1.0,
-    ) -> ToolSample:
+    def lead(self, base_T_led: Array, sample: Accepted, q_sent: Array, q_measured: Array, now_ns: int) -> ToolSample:
         """The same for a target (4 x 4) that the hand does not choose; what it counts from is lost until `rebase`."""
         self.reference = None
         sent, measured = self._model.forward(q_sent), self._model.forward(q_measured)
-        return self._bounded_sample(base_T_led.copy(), sent, measured, sample, now_ns, stretch, LED_SPARE)
+        return self._bounded_sample(base_T_led.copy(), sent, measured, sample, now_ns, LED_SPARE)
 
     def rebase(self, sample: Accepted, settings: OperatorSettings) -> None:
         """Take both origins anew, the tool's at its present target: the target does not move by it."""
@@ -173,14 +159,7 @@ class ToolTarget:
         self._settings = settings
 
     def _bounded_sample(
-        self,
-        target: Array,
-        sent: Array,
-        measured: Array,
-        sample: Accepted,
-        now_ns: int,
-        stretch: float,
-        spare: float,
+        self, target: Array, sent: Array, measured: Array, sample: Accepted, now_ns: int, spare: float
     ) -> ToolSample:
         """A target (4 x 4), which it may change, brought into the workspace box and within the leash."""
         boxed = self._boxed(target[:3, 3])
@@ -189,7 +168,7 @@ class ToolTarget:
         self._followed = sample
         elbow = self._mapping.elbow(sample.sample.wrist, sample.elbow)
         t_ns = self._time.of(sample, now_ns)
-        return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, stretch, spare, boxed=boxed)
+        return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, spare=spare, boxed=boxed)
 
     def _boxed(self, wanted: Array) -> Reason | None:
         """Why the box holds a target at a position (3,) that the hand asks for."""

@@ -11,6 +11,7 @@ CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[
 SCREENS = {"dark": ("dark", 1280, 720), "light": ("light", 1280, 720), "tablet": ("light", 820, 1180)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("screen", SCREENS)
 def test_words_stand_out_and_everything_has_a_name_and_room_for_a_finger(told: Told, screen: str) -> None:
     scheme, width, height = SCREENS[screen]

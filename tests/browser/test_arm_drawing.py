@@ -217,6 +217,7 @@ def small(told: Told):
     told.describe()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("degrees", "tone", "other"), [(10.0, "#f2bd4b", "#ff8a80"), (3.0, "#ff8a80", "#f2bd4b")])
 def test_a_joint_near_its_limit_is_named_and_seen_in_its_colour(small: Told, degrees, tone, other) -> None:
     small.state = engaged(near(4, degrees))

@@ -110,6 +110,7 @@ def test_the_lease_is_not_offered_while_the_local_site_that_takes_it_is_silent(t
     assert ranked(told, "next") == []
 
 
+@pytest.mark.slow
 def test_a_page_without_a_live_picture_says_so_beside_what_comes_next(told: Told) -> None:
     told.until("pictures", lambda: "No live picture" not in told.page.words("#step-words"))
     told.cameras = ()
@@ -140,6 +141,7 @@ def test_at_a_limit_the_way_back_is_said_in_words(told: Told) -> None:
     told.until("its direction", lambda: "back the way it came" not in told.page.words("#step-words"))
 
 
+@pytest.mark.slow
 def test_a_refusal_hides_neither_the_next_step_nor_its_button_and_goes_by_itself(told: Told) -> None:
     told.sites.silent = True
     told.until("the button", lambda: told.page.page.is_visible("#disengage"))
@@ -166,6 +168,7 @@ def test_a_tool_far_from_its_target_is_behind_and_locks_are_named(told: Told) ->
     assert tone(told) == "engaged"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "second"),
     [
@@ -185,6 +188,7 @@ def test_the_big_word_is_what_the_arm_does_and_the_limit_stands_below_it(told: T
     assert tone(told) == "holding"
 
 
+@pytest.mark.slow
 def test_before_anything_was_started_nothing_is_wrong_and_the_page_says_what_to_type(browser: object) -> None:
     with BareConsole() as console:
         page = OpenedPage(browser, console.address)
@@ -204,6 +208,7 @@ def test_before_anything_was_started_nothing_is_wrong_and_the_page_says_what_to_
         page.close()
 
 
+@pytest.mark.slow
 def test_a_telephone_is_shown_no_keys_and_a_computer_is(told: Told, browser: object) -> None:
     kbd = "() => [...document.querySelectorAll('kbd')].filter((key) => key.checkVisibility()).length"
     told.until("a state", lambda: told.page.state() == "engaged")
@@ -235,6 +240,7 @@ def test_while_another_operates_the_page_says_that_the_hand_moves_nothing(told: 
     assert tone(told) == "other"
 
 
+@pytest.mark.slow
 def test_a_state_that_changes_many_times_a_second_does_not_flicker(told: Told) -> None:
     told.until("the arm follows", lambda: tone(told) == "engaged")
     told.page.page.evaluate(WORDS_SEEN)

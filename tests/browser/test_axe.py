@@ -32,6 +32,7 @@ def violations(told: Told, script: str) -> list[Any]:
     return list(page.evaluate(RUN))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in STATES if name != "no robot"])
 def test_axe_finds_nothing(told: Told, axe: str, name: str) -> None:
     page = told.page.page
@@ -53,6 +54,7 @@ def test_axe_finds_nothing_without_a_connection(told: Told, axe: str) -> None:
     assert violations(told, axe) == []
 
 
+@pytest.mark.slow
 def test_axe_finds_nothing_before_anything_was_started_nor_among_the_keys(browser: object, axe: str) -> None:
     with BareConsole() as console:
         page = browser.new_context().new_page()  # type: ignore[attr-defined]  # not touched: it is shown the keys

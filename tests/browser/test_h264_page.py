@@ -39,6 +39,7 @@ def cameras(told: Told) -> H264Cameras:
     return cameras
 
 
+@pytest.mark.slow
 def test_h264_is_painted_live_and_shows_what_was_sent(told: Told, cameras: H264Cameras) -> None:
     clock = compare(told.page.page)
     watch(told.page.page)
@@ -51,6 +52,7 @@ def test_h264_is_painted_live_and_shows_what_was_sent(told: Told, cameras: H264C
     told.shot("h264")
 
 
+@pytest.mark.slow
 def test_a_gap_shows_the_last_whole_picture_as_old_until_the_key_frame(told: Told, cameras: H264Cameras) -> None:
     told.until("live views", lambda: set(told.page.marks()) == {"live"})
     cameras.answers = False
@@ -68,6 +70,7 @@ def test_a_gap_shows_the_last_whole_picture_as_old_until_the_key_frame(told: Tol
     assert painted(told)["side"] > before["side"]
 
 
+@pytest.mark.slow
 def test_bytes_that_are_no_picture_cost_one_view_its_pictures_until_a_key_frame(
     told: Told, cameras: H264Cameras
 ) -> None:
@@ -93,6 +96,7 @@ def test_another_size_and_jpeg_between_are_painted_too(told: Told, cameras: H264
     assert told.page.page.evaluate(width) == scene.SIZE[1] // 2
 
 
+@pytest.mark.slow
 def test_a_page_without_a_decoder_says_so_asks_for_no_key_frames_and_paints_jpeg(browser: object) -> None:
     with BareConsole() as console:
         page = OpenedPage(browser, "about:blank")

@@ -81,6 +81,7 @@ def pressed(told: Told, keys: str) -> str:
     return "".join(told.page.page.evaluate(AS_KEYS))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHOWN)
 def test_a_key_acts_only_while_its_button_is_shown(overheard: Told, name: str) -> None:
     shows(overheard, name)
@@ -99,6 +100,7 @@ def test_in_a_fault_e_engages_nothing_however_often_it_is_pressed(overheard: Tol
     assert asked == [EngagementAction.RESET]
 
 
+@pytest.mark.slow
 def test_a_reset_names_what_can_have_been_read_and_an_engagement_what_is_shown(overheard: Told) -> None:
     """A stop that comes while the operator reaches for R is not cleared by it."""
     page, asked = overheard.page.page, overheard.sites.asked
@@ -140,6 +142,7 @@ def test_a_page_that_only_watches_asks_for_nothing(overheard: Told) -> None:
     overheard.until("the seat", lambda: overheard.page.page.is_enabled("#engage"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "key"), [("fault", "Space"), ("stopped", "Space"), ("ready", "Space"), ("fault", "a"), ("ready", "c")]
 )
@@ -189,6 +192,7 @@ def stops(told: Told) -> bool:
     return told.sites.asked == [STOP]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHOWN)
 def test_escape_stops_in_every_state(overheard: Told, name: str) -> None:
     shows(overheard, name)
@@ -229,6 +233,7 @@ AT = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("at", AT)
 def test_escape_stops_wherever_the_operator_is(browser: object, at: str) -> None:
     with opened_told(browser) as told:
@@ -248,6 +253,7 @@ def test_escape_that_was_down_before_the_page_had_the_keyboard_stops_once(overhe
     overheard.page.page.evaluate("() => dispatchEvent(new KeyboardEvent('keyup', { key: 'Escape' }))")
 
 
+@pytest.mark.slow
 def test_escape_stops_on_a_page_that_only_watches(overheard: Told, browser: object) -> None:
     watching = OpenedPage(browser, overheard.page.page.url)
     watching.wait_for("the word", lambda: "you watch" in watching.words("#seat"))
@@ -257,6 +263,7 @@ def test_escape_stops_on_a_page_that_only_watches(overheard: Told, browser: obje
     watching.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", [None, "silent"])
 def test_escape_stops_without_a_state_of_the_remote_site(browser: object, robot: str | None) -> None:
     with opened_told(browser) as told:

@@ -49,6 +49,7 @@ def check(page: OpenedPage) -> None:
     assert found == {"width": WIDTH, "outside": [], "cut": [], "thin": [], "overlapping": []}
 
 
+@pytest.mark.slow
 def test_a_live_page_is_whole(narrow: Told) -> None:
     narrow.until("all of it", lambda: narrow.page.words("#recording").startswith("REC, with the operator's pictures"))
     check(narrow.page)
@@ -119,6 +120,7 @@ def test_a_live_page_that_says_why_there_is_no_view_of_the_operator_is_whole(nar
     narrow.shot("narrow_no_camera")
 
 
+@pytest.mark.slow
 def test_a_replay_is_whole_with_its_list_open_too(browser: object, tmp_path: Path) -> None:
     with served(browser, tmp_path) as shown:
         page = shown.page

@@ -42,6 +42,7 @@ def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(
     page.wait_for("the event", lambda: any("let go" in line for line in events.all_text_contents()))
 
 
+@pytest.mark.slow
 def test_freezing_the_tab_stops_the_arm_and_it_needs_a_new_press(stand, page) -> None:
     page.hold()
     page.page.evaluate("() => { const until = performance.now() + 900; while (performance.now() < until); }")
@@ -52,6 +53,7 @@ def test_freezing_the_tab_stops_the_arm_and_it_needs_a_new_press(stand, page) ->
     page.hold()
 
 
+@pytest.mark.slow
 def test_hiding_the_tab_lets_go(stand, page) -> None:
     page.hold()
     page.page.evaluate("() => document.dispatchEvent(new Event('visibilitychange'))")
@@ -76,6 +78,7 @@ def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, page) -> None:
     page.hold()
 
 
+@pytest.mark.slow
 def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_the_arm(stand, page, open_page) -> None:
     watching = open_page()
     page.wait_for("the controls", lambda: "you operate" in page.words("#seat"))
@@ -107,6 +110,7 @@ def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_th
     page.wait_for("the controls", lambda: "you operate" in page.words("#seat"))
 
 
+@pytest.mark.slow
 def test_scales_locks_and_new_origins_reach_the_arm_and_outlast_a_reload(stand, page) -> None:
     page.wait_until_ready()
     in_force = lambda: stand.sites.state.settings  # noqa: E731  # short, and used as such
@@ -158,6 +162,7 @@ def median_of(page: OpenedPage, interval: str) -> float:
     return float(told) if told not in ("", "–") else -1.0
 
 
+@pytest.mark.slow
 def test_pictures_that_stop_coming_are_marked_with_their_age(stand, page) -> None:
     page.wait_for_live_views()
     video = next(p for p in descendants(stand.remote.pid) if Path(f"/proc/{p}/comm").read_text() == "farhand-video\n")
@@ -170,6 +175,7 @@ def test_pictures_that_stop_coming_are_marked_with_their_age(stand, page) -> Non
     page.wait_for_live_views()
 
 
+@pytest.mark.slow
 def test_a_killed_remote_site_is_told_and_its_pictures_marked_and_the_console_ends_when_asked(stand, page) -> None:
     page.wait_for_live_views()
     for process in (*descendants(stand.remote.pid), stand.remote.pid):

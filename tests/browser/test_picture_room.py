@@ -35,6 +35,7 @@ def meet(one: Box, other: Box) -> bool:
     return all(min(one[k] + one[k + 2], other[k] + other[k + 2]) - max(one[k], other[k]) > 1 for k in (0, 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", range(1, 9))
 def test_any_number_of_views_fills_the_room_at_every_size(views: Told, count: int) -> None:
     show_views(views, [FULL] * count)
@@ -47,6 +48,7 @@ def test_any_number_of_views_fills_the_room_at_every_size(views: Told, count: in
             assert sum(w * h for _, _, w, h in room.views) >= LEAST_SHARE * width * height, (count, width)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["wide", "mixed"])
 @pytest.mark.parametrize("count", [1, 2, 3, 6])
 def test_pictures_of_other_shapes_fill_it_too_uncut_and_without_bars(views: Told, kind: str, count: int) -> None:
@@ -60,6 +62,7 @@ def test_pictures_of_other_shapes_fill_it_too_uncut_and_without_bars(views: Told
             assert (width + 2) / (height + 2) == pytest.approx(wide / high, rel=0.02), size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, 3, 4, 8])
 def test_the_chosen_view_is_the_largest_with_the_others_beside_it_and_stays_so(views: Told, count: int) -> None:
     page = views.page.page

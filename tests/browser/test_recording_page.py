@@ -4,6 +4,7 @@ from collections.abc import Callable
 from functools import partial
 
 import msgspec
+import pytest
 
 from common.messages.recording import EpisodeOutcome, RecordingNotice, RecordingState
 from common.messages.requests import RecordAction
@@ -55,6 +56,7 @@ def test_a_mark_shows_whenever_something_is_recorded_and_with_whose_pictures(tol
     told.until("no mark", lambda: hidden(told, "recording"))
 
 
+@pytest.mark.slow
 def test_a_recorder_of_the_operators_own_side_is_marked_too(told: Told) -> None:
     own = RecordingNotice(state=msgspec.structs.replace(RECORDING, operator_pictures=True))
     told.give(Hub.recording, own)
@@ -62,6 +64,7 @@ def test_a_recorder_of_the_operators_own_side_is_marked_too(told: Told) -> None:
     told.until("its end", lambda: hidden(told, "recording") and hidden(told, "recording-row"))  # it tells nothing more
 
 
+@pytest.mark.slow
 def test_the_holder_begins_and_ends_the_recording_of_their_own_side(told: Told) -> None:
     own = partial(msgspec.structs.replace, RECORDING, operator_pictures=True, on_request=True, episode=0)
 
@@ -113,6 +116,7 @@ def test_keys_bound_and_label_episodes(told: Told) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_holder_begins_and_ends_a_recording_only_where_that_is_allowed(told: Told) -> None:
     tell(told)
     told.until("no button", lambda: not hidden(told, "recording-row") and hidden(told, "record"))

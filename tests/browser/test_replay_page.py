@@ -39,6 +39,7 @@ def instructed(at_s: float) -> dict[str, Any]:
     return said | {"recording": alarm, "video_link": narrow, "hand_link": late, "settings": settings}
 
 
+@pytest.mark.slow
 def test_it_cannot_be_mistaken_for_a_live_page(replay: OpenedPage) -> None:
     jump(replay, 4.0)
     replay.wait_for("the state", lambda: replay.state() == "engaged")
@@ -128,6 +129,7 @@ def test_a_stop_is_answered_with_what_to_use_instead(replay: OpenedPage) -> None
     assert "NOT ACKNOWLEDGED" not in replay.words("#alert")
 
 
+@pytest.mark.slow
 def test_what_was_said_is_quoted_and_what_concerns_a_live_cell_alone_is_gone(browser: object, tmp_path: Path) -> None:
     with served(browser, tmp_path, instructed) as shown:
         page = shown.page

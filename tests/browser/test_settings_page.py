@@ -4,6 +4,8 @@ import time
 from collections.abc import Callable
 from functools import partial
 
+import pytest
+
 from common.messages.hand import Locks, OperatorSettings
 from common.messages.robot import LeaseState, RobotState, SessionState
 from lab.measure.page import scene
@@ -28,6 +30,7 @@ def shows_locked(page: OpenedPage) -> bool:
     return pressed == "true" and page.words("#scale-value") == "0.50"
 
 
+@pytest.mark.slow
 def test_a_page_adopts_the_settings_in_force_before_any_are_sent(browser: object) -> None:
     with BareConsole() as console:
         page = OpenedPage(browser, console.address)
@@ -48,6 +51,7 @@ def test_a_page_adopts_the_settings_in_force_before_any_are_sent(browser: object
         page.close()
 
 
+@pytest.mark.slow
 def test_a_page_that_reconnects_to_a_new_console_still_shows_the_lock(browser: object) -> None:
     with BareConsole() as console:
         page = OpenedPage(browser, console.address)
@@ -74,6 +78,7 @@ def test_the_settings_of_a_new_lease_are_shown_and_the_operator_is_told(told: To
     assert told.page.page.get_attribute("[data-lock=z]", "aria-pressed") == "false"
 
 
+@pytest.mark.slow
 def test_a_closed_page_falls_silent_and_stays_so(browser: object) -> None:
     with BareConsole() as console:
         page = OpenedPage(browser, console.address)
@@ -89,6 +94,7 @@ def test_a_closed_page_falls_silent_and_stays_so(browser: object) -> None:
         assert any(silent() for _ in range(SILENCES)), console.intents[-1]
 
 
+@pytest.mark.slow
 def test_a_slider_with_the_focus_shows_the_scale_of_a_new_lease(browser: object) -> None:
     with BareConsole() as console:
         page = OpenedPage(browser, console.address)

@@ -32,6 +32,7 @@ def contrast(a: Array, b: Array) -> float:
     return (light + 0.05) / (dark + 0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TONES)
 def test_stop_stands_out_from_what_is_around_it(told: Told, name: str) -> None:
     told.state = STATES[name]

@@ -3,6 +3,7 @@
 from functools import partial
 
 import msgspec
+import pytest
 
 from common.messages.robot import Pose, SessionState
 from lab.measure.page import scene
@@ -73,6 +74,7 @@ def engaged(turned_rad: float = 0.0):
     return partial(scene.state, SessionState.ENGAGED, "ok", "the arm follows the hand", **posture)
 
 
+@pytest.mark.slow
 def test_an_arm_is_drawn_again_only_where_it_has_moved_as_far_as_can_be_seen(browser: object) -> None:
     robots = [{**msgspec.to_builtins(engaged(turned)()), "silent": False} for turned in (0.0, 1e-5, 0.2, 0.2)]
     with opened_told(browser) as told:  # a page of its own, which then has two drawings of the arm

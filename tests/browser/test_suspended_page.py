@@ -1,5 +1,7 @@
 """After a suspend of the page's host the picture that is still shown is told to be as old as it is."""
 
+import pytest
+
 from tests.browser.told import Told
 
 SUSPEND = "() => { window.realNow = Date.now; Date.now = () => window.realNow.call(Date) + 600_000; }"
@@ -7,6 +9,7 @@ RESUME = "() => { Date.now = window.realNow; }"
 AGE = "() => document.querySelector('[data-name=side]').textContent"
 
 
+@pytest.mark.slow
 def test_a_picture_from_before_a_suspend_of_ten_minutes_is_ten_minutes_old(told: Told) -> None:
     """In a suspend the wall clock goes on, and the clocks of page and console stand still."""
     page = told.page.page

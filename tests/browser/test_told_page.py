@@ -58,6 +58,7 @@ TROUBLES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", STATES)
 def test_every_state_is_told_in_words_with_its_reason_and_can_be_read(told: Told, name: str) -> None:
     state, code, reason, word, scheme = STATES[name]
@@ -87,6 +88,7 @@ def test_each_camera_in_trouble_is_called_what_it_is_and_why(told: Told) -> None
     assert told.page.page.evaluate(CHECK)["poor"] == []
 
 
+@pytest.mark.slow
 def test_a_picture_that_was_taken_long_ago_never_looks_live(told: Told) -> None:
     told.until("a view without a mark", lambda: not told.page.page.is_visible("[data-name=side] .mark"))
     told.age_ms = 400.0
@@ -123,6 +125,7 @@ def ghosts_drawn(told: Told, camera: str) -> np.ndarray:
     return drawn[-1]
 
 
+@pytest.mark.slow
 def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> None:
     told.until("the ghost", lambda: len(ghost(told, "side")) > 50)
     calibrations = {camera.name: camera.calibration for camera in scene.cell().cameras}
@@ -142,6 +145,7 @@ def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> 
     told.until("no ghost over an old picture", lambda: len(ghost(told, "side")) == 0)
 
 
+@pytest.mark.slow
 def test_nothing_is_drawn_by_a_calibration_that_is_for_pictures_of_another_shape(told: Told) -> None:
     told.until("the ghost", lambda: len(ghost(told, "side")) > 50)
     cell = scene.cell()
@@ -270,6 +274,7 @@ KEEP_ALARMS = """() => {
 }"""
 
 
+@pytest.mark.slow
 def test_a_stop_that_is_not_acknowledged_says_so_and_is_sent_until_it_is(told: Told) -> None:
     told.sites.silent = True
     told.page.page.keyboard.press("Escape")
@@ -338,6 +343,7 @@ def test_a_view_of_the_operator_that_is_missing_keeps_no_old_picture(told: Told)
     told.until("a picture again", lambda: told.page.words("#previews").startswith("live"))
 
 
+@pytest.mark.slow
 def test_a_view_whose_pictures_are_late_now_and_then_does_not_flicker(told: Told) -> None:
     """Every second picture is old, as over a link that pauses; one that stays for long grows old by itself."""
     told.until("live views", lambda: set(told.page.marks()) == {"live"})
@@ -364,6 +370,7 @@ def test_a_picture_has_no_more_pixels_than_the_screen_shows_of_it(told: Told) ->
     told.until("fewer again", lambda: told.page.page.evaluate(sizes)[0] == width)
 
 
+@pytest.mark.slow
 def test_a_browser_that_decodes_no_jpeg_from_memory_paints_it_too(browser: object) -> None:
     with BareConsole() as console:
         page = OpenedPage(browser, "about:blank")
@@ -375,6 +382,7 @@ def test_a_browser_that_decodes_no_jpeg_from_memory_paints_it_too(browser: objec
         page.close()
 
 
+@pytest.mark.slow
 def test_a_key_whose_beats_all_come_too_late_holds_nothing_and_the_page_says_so(told: Told) -> None:
     told.until("the controls", lambda: "you operate" in told.page.words("#seat"))
     page = told.page.page

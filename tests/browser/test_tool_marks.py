@@ -151,6 +151,7 @@ def scales(console: BareConsole) -> set[float]:
     return {intent.settings.scale for intent in intents if intent.settings is not None}
 
 
+@pytest.mark.slow
 def test_the_scale_suggested_for_the_delay_is_taken_by_one_press_and_never_by_itself(browser: object) -> None:
     with BareConsole() as console:
         console.clock.round_trip_ms = 240.0

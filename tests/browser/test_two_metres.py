@@ -67,6 +67,7 @@ def sizes(told: Told) -> dict[str, float]:
     return {selector: float(told.page.page.evaluate(SIZE_OF, selector)) for selector in LEAST_AT_1080}
 
 
+@pytest.mark.slow
 def test_what_has_to_be_read_is_large_on_a_large_screen_and_grows_with_it(told: Told) -> None:
     told.until("a state", lambda: told.page.state() == "engaged")
     found = []
@@ -85,6 +86,7 @@ def test_a_mark_on_a_picture_is_as_large_as_the_rest(told: Told) -> None:
     assert float(told.page.page.evaluate(SIZE_OF, "[data-name=side] .mark span")) >= 18.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("screen", [*SCREENS, *NARROW])
 def test_the_next_step_never_scrolls_out_of_sight(told: Told, screen: tuple[int, int]) -> None:
     page = told.page.page
@@ -107,6 +109,7 @@ def test_the_next_step_never_scrolls_out_of_sight(told: Told, screen: tuple[int,
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in STATES if name != "no robot"])
 def test_no_room_is_left_empty_around_the_next_step(told: Told, name: str) -> None:
     told.state = STATES[name]
@@ -127,6 +130,7 @@ def test_the_operators_own_views_are_as_wide_as_their_room(told: Told, screen: t
     assert sum(box[2] for box in boxes(told, "#previews .view")) >= 0.97 * room
 
 
+@pytest.mark.slow
 def test_large_type_is_on_one_key_remembered_and_listed(told: Told) -> None:
     page = told.page.page
     told.until("a state", lambda: told.page.state() == "engaged")

@@ -60,6 +60,7 @@ def test_the_three_methods_of_the_guide_pass_every_check(monkeypatch: pytest.Mon
     assert run_checks(stand, lines.append) == [], lines
 
 
+@pytest.mark.slow
 def test_the_driver_of_the_guide_passes_every_check() -> None:
     _, driver, _ = sources()
     assert len(driver.splitlines()) < 100
@@ -70,6 +71,7 @@ def test_the_driver_of_the_guide_passes_every_check() -> None:
     assert run_checks(stand, lines.append) == [], lines
 
 
+@pytest.mark.slow
 def test_the_test_of_the_guide_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     _, driver, test = sources()
     module = ModuleType("my_package.library_driver")

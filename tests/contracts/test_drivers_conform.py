@@ -97,6 +97,7 @@ def test_calls_are_timed_by_a_clock_of_their_own_where_the_robots_is_a_simulator
     assert "read took 60 ms (limit 50 ms)" in lines[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bad", "check"),
     [
@@ -128,6 +129,7 @@ def test_a_bad_driver_fails_the_check_made_for_it(bad, check):
     assert lines[0].startswith("FAILED")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bad", "checks"),
     [
@@ -153,12 +155,13 @@ def test_a_driver_that_is_bad_in_one_thing_fails_in_nothing_else(bad, checks):
 
 
 def test_every_check_has_its_bad_driver():
-    (alone,) = test_a_bad_driver_fails_the_check_made_for_it.pytestmark
-    (in_nothing_else,) = test_a_driver_that_is_bad_in_one_thing_fails_in_nothing_else.pytestmark
+    alone = test_a_bad_driver_fails_the_check_made_for_it.pytestmark[0]
+    in_nothing_else = test_a_driver_that_is_bad_in_one_thing_fails_in_nothing_else.pytestmark[0]
     found = {check for _, check in alone.args[1]} | {check for _, checks in in_nothing_else.args[1] for check in checks}
     assert found == set(NAMES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("good", [Gripping, Unhurried])
 def test_a_robot_with_a_gripper_passes(good):
     lines = []

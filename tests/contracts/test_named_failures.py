@@ -38,6 +38,7 @@ def only(*names):
     return [check for check in CHECKS if check.__name__ in names]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bad", "where", "sentence"),
     [
@@ -68,6 +69,7 @@ def test_what_else_is_wrong_is_said_beside_a_slow_call():
     assert "see limits; found: joint_1 stopped within 0.000 rad where its limits need" in stop
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bad", "check", "sentence"),
     [
@@ -108,6 +110,7 @@ def test_a_failure_names_the_joint_and_what_was_expected_and_came(bad, check, se
     assert sentence in lines[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bad", [Laggard, Eager, Racer, Refuser, Drifter])
 def test_a_joint_that_goes_the_right_way_is_not_suspected_of_a_wrong_sign(bad):
     failed, lines = lines_of(bad, only("follows", "lag", "stop"))

@@ -14,18 +14,21 @@ from tests.contracts.driver_stands import CONFIG, SETUP
 from tests.contracts.position_arms import position_stand
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arm", [arms.ServoArm, arms.BrakingArm, arms.GripperArm, arms.Stamped, arms.Sparing])
 def test_three_methods_pass_every_check(arm):
     lines = []
     assert run_checks(position_stand(arm), lines.append) == [], lines
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate_hz", [10.0, 25.0, 50.0, 200.0, 500.0, 1000.0])
 def test_they_do_at_any_rate(rate_hz):
     paced, lines = type("Paced", (arms.ServoArm,), {"rate_hz": rate_hz}), []
     assert run_checks(position_stand(paced), lines.append) == [], lines
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bad", "check", "sentence"),
     [
@@ -49,6 +52,7 @@ def test_a_bad_arm_fails_and_the_line_says_why(bad, check, sentence):
     assert_said(lines, check, sentence)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bad", "checks", "sentence"),
     [

@@ -26,6 +26,7 @@ PROMISED = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("speed", "accelerating", "seconds", "travel_m"), PROMISED)
 @pytest.mark.parametrize(
     ("stand", "lag_s"), [(kinematic_stand, 0.0), (simulated_stand, 0.02), (c500c_stand, 4 * PERIOD_S + 0.03)]

@@ -140,6 +140,7 @@ def may_have_real_time() -> bool:
     return subprocess.run([sys.executable, "-c", program], check=False, capture_output=True).returncode == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("site", ["remote", "local"])
 def test_a_site_can_compile_fork_share_and_run_in_real_time(site: str) -> None:
     told = behind_the_filter(allowed(site))
@@ -152,6 +153,7 @@ def test_the_router_can_start_a_process_that_yields_to_it() -> None:
     assert behind_the_filter(allowed("router"), VIEWERS) == ["filtered", "yielded"]
 
 
+@pytest.mark.slow
 def test_the_operators_recorder_can_listen_and_write(tmp_path: Path) -> None:
     folder = tmp_path / "recordings"
     endpoints = (f"tcp/127.0.0.1:{port}" for port in free_ports(2))

@@ -49,6 +49,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return home / "bin"
 
 
+@pytest.mark.slow
 def test_nothing_comes_from_the_checkout(installed: Path, tmp_path: Path) -> None:
     program = f"import importlib; print(*(importlib.import_module(name).__file__ for name in {PACKAGES!r}))"
     found = run(installed / "python", "-c", program, folder=tmp_path).split()
@@ -58,6 +59,7 @@ def test_nothing_comes_from_the_checkout(installed: Path, tmp_path: Path) -> Non
         assert path.with_name("py.typed").is_file()
 
 
+@pytest.mark.slow
 def test_it_brings_its_configurations_and_units(installed: Path, tmp_path: Path) -> None:
     shipped = PROJECT / "farhand/deployment"
     shown = run(installed / "farhand", "config", "show", "remote", folder=tmp_path)

@@ -83,6 +83,7 @@ def meeting(pki: Path, request: pytest.FixtureRequest) -> Iterator[Meeting]:
         yield Meeting(pki, stack, request.param)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("meeting", ["tls"], indirect=True)  # with QUIC a port is free when its process has ended
 def test_sites_meet_and_meet_again_after_the_router_was_restarted(meeting: Meeting) -> None:
     with meeting.connect("operator.anna") as operator:
@@ -98,6 +99,7 @@ def test_sites_meet_and_meet_again_after_the_router_was_restarted(meeting: Meeti
             meeting.router = meeting.open()
 
 
+@pytest.mark.slow
 def test_a_site_waits_for_its_router_and_hears_when_that_refuses_it(pki: Path) -> None:
     endpoint = f"tls/127.0.0.1:{free_port()}"
     later: list[Link] = []
@@ -128,6 +130,7 @@ def test_who_is_asked_to_end_waits_for_no_router(pki: Path) -> None:
     assert time.monotonic() - began < 10.0  # of 20
 
 
+@pytest.mark.slow
 def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -> None:
     with (
         watched(meeting.pki, (meeting.endpoint,), "router") as endpoint,
@@ -140,6 +143,7 @@ def test_a_router_passes_on_nothing_that_a_role_may_not_send(meeting: Meeting) -
         until(lambda: commands_arrive(session, meeting.cell))
 
 
+@pytest.mark.slow
 def test_a_router_of_another_cell_is_nobodys_meeting_point(pki: Path) -> None:
     endpoint = f"tls/127.0.0.1:{free_port()}"
     with open_router(listen=(endpoint,), security=secured(pki, "router", "other"), operators=OPERATORS):
@@ -150,6 +154,7 @@ def test_a_router_of_another_cell_is_nobodys_meeting_point(pki: Path) -> None:
                 open_link(connect=(endpoint,), security=secured(pki, who), through_router=who == "remote")
 
 
+@pytest.mark.slow
 def test_viewers_watch_at_the_router_and_hear_no_hand(meeting: Meeting) -> None:
     with ExitStack() as stack:
         operator = stack.enter_context(meeting.connect("operator.anna"))
@@ -168,11 +173,13 @@ def test_viewers_watch_at_the_router_and_hear_no_hand(meeting: Meeting) -> None:
         assert heard <= {STATE.key_for(CELL)}
 
 
+@pytest.mark.slow
 def test_whoever_else_has_the_routers_certificate_may_do_no_more_than_a_viewer(meeting: Meeting) -> None:
     with dishonest(meeting.endpoint, meeting.pki, "router") as session:
         assert not commands_arrive(session, meeting.cell)
 
 
+@pytest.mark.slow
 def test_the_routers_process_lets_viewers_watch_and_goes_on_without_the_one_that_serves_them(
     pki: Path, tmp_path: Path
 ) -> None:

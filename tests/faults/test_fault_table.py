@@ -47,6 +47,7 @@ def test_full(row: Row, stage: Stage) -> None:
     assert not outcome.failures, outcome
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", [row for row in ROWS if row.quick], ids=lambda row: row.fault)
 def test_shortened(row: Row, one_host: Stage) -> None:
     outcome = play_patiently(row, one_host)

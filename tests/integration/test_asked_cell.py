@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 from common.messages.robot import STOPPED, SessionState
 from common.messages.video import CameraStatus
 from tests.integration.pair import OPERATOR, Pair
@@ -17,6 +19,7 @@ def farhand(*arguments: str, sites: Sites) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, check=False, capture_output=True, text=True, timeout=120)
 
 
+@pytest.mark.slow
 def test_a_running_cell_is_shown_disengaged_and_stopped_from_a_terminal(pair: Pair) -> None:
     pair.following()
     sites = pair.sites

@@ -5,6 +5,7 @@ import signal
 import time
 
 import numpy as np
+import pytest
 
 from common.link.channels import HAND
 from common.messages.robot import SessionState
@@ -35,6 +36,7 @@ def stays_disengaged(sites: Sites) -> bool:
     return all(state.state is SessionState.DISENGAGED for state in sites.record.states[seen:])
 
 
+@pytest.mark.slow
 def test_a_random_payload_is_counted_and_moves_nothing(pair: Pair) -> None:
     pair.untouched_remote()
     sites = pair.sites
@@ -51,6 +53,7 @@ def test_a_random_payload_is_counted_and_moves_nothing(pair: Pair) -> None:
     assert sites.is_in(SessionState.DISENGAGED)
 
 
+@pytest.mark.slow
 def test_control_that_stumbles_before_an_engagement_goes_on_by_itself(pair: Pair) -> None:
     remote = pair.untouched_remote()
     sites = pair.sites
@@ -87,6 +90,7 @@ def test_a_killed_local_site_stops_the_arm_until_it_is_engaged_anew(pair: Pair) 
     assert np.abs(np.subtract(first.q_commanded, stopped_at)).max() < 0.02
 
 
+@pytest.mark.slow
 def test_a_killed_control_process_is_named_and_nothing_moves_until_it_is_engaged_anew(pair: Pair) -> None:
     remote, local = pair.moving()
     sites = pair.sites

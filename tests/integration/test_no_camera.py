@@ -1,9 +1,12 @@
 """A cell without any camera starts, is asked for its status, and ends in order, its simulated robot included."""
 
+import pytest
+
 from tests.integration.sites import running_sites
 from tests.integration.test_asked_cell import farhand
 
 
+@pytest.mark.slow
 def test_a_site_without_a_camera_lives_and_ends_as_any_other() -> None:
     with running_sites() as sites:
         remote = sites.remote("driver.name=simulated", "video.cameras=[]")

@@ -34,6 +34,7 @@ def recording(sites: Sites) -> RecordingState:
     return state
 
 
+@pytest.mark.slow
 def test_the_holder_records_and_a_killed_recorder_costs_a_second_and_the_arm_nothing(tmp_path: Path) -> None:
     out = tmp_path / "recordings"
     with running_sites() as sites:
@@ -77,6 +78,7 @@ def test_the_holder_records_and_a_killed_recorder_costs_a_second_and_the_arm_not
     assert cycles[-1][0] > killed_ns - 4e9  # a second, and what a busy machine takes to flush and to kill
 
 
+@pytest.mark.slow
 def test_the_operators_own_recorder_keeps_hand_states_and_views_once_asked_and_says_so(tmp_path: Path) -> None:
     out, told = tmp_path / "recordings", list[RecordingNotice]()
     with running_sites() as sites:

@@ -27,6 +27,7 @@ def test_figures_are_served_and_the_site_goes_on_when_they_die(pair: Pair) -> No
     assert process.exit_code is None
 
 
+@pytest.mark.slow
 def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_nothing(pair: Pair) -> None:
     _, local = processes = pair.following()
     sites = pair.sites

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from common.link.channels import INTENT, PREVIEW
 from common.messages.hand import Intent, OperatorIntent
@@ -103,6 +104,7 @@ def test_the_recorded_path_is_run_while_the_key_is_held_and_ends_with_it(tmp_pat
             wait_pressing(sites, held, "the path's end", lambda: off_m(sites, end) < NEAR_M)
 
 
+@pytest.mark.slow
 def test_a_cell_that_needs_no_key_is_refused(tmp_path: Path) -> None:
     file = recorded_states(tmp_path, moves_back).file
     with running_sites() as sites:

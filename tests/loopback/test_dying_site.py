@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from farhand.loopback.site_process import options_of
 from remote_site.session.config import ACCEPTANCE
 
@@ -67,6 +69,7 @@ def last_line(folder: Path, *settings: str) -> tuple[int, str]:
     return done.returncode, done.stderr.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_a_driver_that_cannot_be_configured_is_named_with_its_reason(tmp_path: Path) -> None:
     install(tmp_path, "mute", DRIVER, "Mute")
     code, line = last_line(tmp_path, "driver.name=mute", f"engagement.automatic_accepted={ACCEPTANCE}")
@@ -75,6 +78,7 @@ def test_a_driver_that_cannot_be_configured_is_named_with_its_reason(tmp_path: P
     assert line.endswith("ValueError: no arm answers at address 7")
 
 
+@pytest.mark.slow
 def test_what_was_measured_is_printed_where_a_site_dies_after_the_arm_followed(tmp_path: Path) -> None:
     install(tmp_path, "mortal", MORTAL, "Mortal")
     done = loopback(tmp_path, "driver.name=mortal", f"engagement.automatic_accepted={ACCEPTANCE}")
@@ -88,6 +92,7 @@ def test_what_was_measured_is_printed_where_a_site_dies_after_the_arm_followed(t
         assert last.startswith(f"farhand: broken: {died}")
 
 
+@pytest.mark.slow
 def test_a_urdf_that_cannot_be_read_is_named_with_its_reason(tmp_path: Path) -> None:
     model = tmp_path / "arm.urdf"
     model.write_text("<robot")

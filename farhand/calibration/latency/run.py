@@ -107,13 +107,13 @@ def _latency(name: str, watched: WatchedFrames, pattern: ShownPattern, screen_ms
 
 
 def as_builtins(measured: Sequence[CameraLatency]) -> list[dict[str, str | float]]:
-    """What was measured, for programs; `key` is that of the camera's settings."""
+    """Convert what was measured, for programs; `key` is that of the camera's settings."""
     names = "name", "key", "latency_ms", "uncertainty_ms", "screen_uncertainty_ms"
     return [{name: getattr(latency, name) for name in names} for latency in measured]
 
 
 def describe(measured: Sequence[CameraLatency], screen_ms: float | None) -> str:
-    """What was measured, in words, and the lines for the configuration."""
+    """Describe what was measured, with the lines for the configuration."""
     lines = [str(latency) for latency in measured]
     if screen_ms is None:
         own_ms = measured[0].screen_uncertainty_ms

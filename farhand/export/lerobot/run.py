@@ -22,7 +22,7 @@ Planned = tuple[RecordedSession, SessionEpisode]
 
 
 class ExportSettings(NamedTuple):
-    """What is asked for: `fps` frames per second, these views (all without any), a task for episodes without one."""
+    """The export asked for: `fps` frames per second, these views (all without any), a task for episodes without one."""
 
     out: Path
     fps: int = 30
@@ -31,7 +31,7 @@ class ExportSettings(NamedTuple):
 
 
 class ExportSummary(NamedTuple):
-    """What came of it: what was left out and why, and how many frames were encoded now."""
+    """The outcome of an export: what was left out and why, and how many frames were encoded now."""
 
     episodes: int
     frames: int

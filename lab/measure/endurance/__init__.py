@@ -1,1 +1,1 @@
-"""Whether the pair of sites grows while it runs: memory, descriptors and threads of every process over an hour."""
+"""Growth of the pair of sites while it runs: memory, descriptors and threads of every process over an hour."""

@@ -1,6 +1,6 @@
 """Runs both sites for an hour, with recorder, viewers and a page: `python -m lab.measure.endurance.run [MINUTES]`.
 
-Each minute the page is closed and opened again, the viewers leave and come again, and the arm is engaged anew. It
+Each minute the page is closed and opened again, the viewers leave and come again, and the arm is engaged again. It
 writes build/endurance.json: by process, its memory, descriptors and threads at the begin and at the end. It needs what
 `bench wan` needs, and 12 GB of disk an hour for the recording, which is deleted.
 """
@@ -38,7 +38,7 @@ SHARE = 5  # the first, the middle and the last fifth are compared
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """What a process holds at a time, s: resident memory, open descriptors, threads."""
+    """The resources of a process at a time, s: resident memory, open descriptors, threads."""
 
     t_s: float
     memory_mb: float
@@ -47,7 +47,7 @@ class Usage:
 
 
 def usage_of(pid: int, t_s: float) -> Usage | None:
-    """What a process holds now; None where it has just ended."""
+    """Read what a process holds now; None where it has just ended."""
     process = Path(f"/proc/{pid}")
     try:
         counts = (sum(1 for _ in (process / part).iterdir()) for part in ("fd", "task"))
@@ -136,7 +136,7 @@ def _round(stage: WanStage, watch: "UsageWatch") -> bool:
 
 
 class UsageWatch:
-    """What every process of the sites held, every few seconds since the start, but for the time in which it settles."""
+    """The resources of every process of the sites, every few seconds since the start, but for the time of settling."""
 
     def __init__(self, stage: WanStage) -> None:
         self._stage, self._began_s = stage, time.monotonic()
@@ -154,7 +154,7 @@ class UsageWatch:
                     self._usages.setdefault(f"{process.name}/{name_of(pid)}/{pid}", []).append(usage)
 
     def figures(self) -> dict[str, float]:
-        """How each process that lasted has grown, a line of each printed."""
+        """Compute how each process that lasted has grown, and print a line for each."""
         figures: dict[str, float] = {}
         longest = max(map(len, self._usages.values()))
         for name, usages in self._usages.items():

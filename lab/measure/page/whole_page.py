@@ -90,7 +90,7 @@ def _first_ms(states: list[RobotState], from_ns: int, is_so: Callable[[RobotStat
 
 
 def _engage_until_moving(stand: PageStand, page: Tab) -> bool:
-    """Whether the arm moves; resets and engages it when it is disengaged."""
+    """Return whether the arm moves; reset and engage it when it is disengaged."""
     state, before = stand.record.states[-1], stand.record.states[-5]
     if state.state is SessionState.DISENGAGED:
         for key in ("r", "e"):
@@ -100,6 +100,6 @@ def _engage_until_moving(stand: PageStand, page: Tab) -> bool:
 
 
 def _rests(stand: PageStand) -> bool:
-    """Whether the arm is stopped and its commanded joint positions have been the same for ten states, 0.2 s."""
+    """Return whether the arm is stopped and its commanded joint positions are the same for ten states, 0.2 s."""
     states = stand.record.states[-10:]
     return all(state.code == "stopped" and state.q_commanded == states[-1].q_commanded for state in states)

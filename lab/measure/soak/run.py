@@ -52,7 +52,7 @@ class CommandLog:
         return int(np.searchsorted(self.t_ns, t_ns, side="right")) - 1
 
     def last_moving_ns(self, after_ns: int, until_ns: int) -> int | None:
-        """When the last moving command after `after_ns` and by `until_ns` was received; None when all were at rest."""
+        """Find when the last moving command after `after_ns` and by `until_ns` came; None when all were at rest."""
         first, end = np.searchsorted(self.t_ns, [after_ns, until_ns], side="right")
         moving = np.flatnonzero(self.dq[first:end].any(axis=1))
         return int(self.t_ns[first + moving[-1]]) if len(moving) else None
@@ -100,7 +100,7 @@ def dynamics(world: World, log: CommandLog) -> dict[str, float]:
 
 
 def margins(world: World, log: CommandLog) -> dict[str, float]:
-    """How near the commanded arm came to a collision, and how far outside its joint limits and its workspace."""
+    """Compute how near the commanded arm came to a collision, and how far outside its joint limits and workspace."""
     limits, safety, robot = world.limits, CONFIG.safety, CONFIG.robot
     collision = CollisionModel.from_urdf(robot.urdf, world.model, robot.capsules, safety.collision)
     workspace = Workspace(np.array(safety.workspace_min_m), np.array(safety.workspace_max_m))
@@ -166,7 +166,7 @@ def oldest_obeyed(world: World) -> float:
 
 
 def _rest_ns(world: World, log: CommandLog, onset_ns: int, motion_ns: int) -> int:
-    """When the arm has to be at rest, for a stop due at `onset_ns` from its motion at `motion_ns`.
+    """Compute when the arm has to be at rest, for a stop due at `onset_ns` from its motion at `motion_ns`.
 
     Time in which a driver call blocked is added, and one command period of a robot that is slower than control.
     """

@@ -167,7 +167,7 @@ class WanBench:
         return time.monotonic_ns()
 
     def _hand_alone(self) -> Figures:
-        """How old the hand is on arrival while no picture is sent."""
+        """Measure how old the hand is on arrival while no picture is sent."""
         stage = self._stage
         stage.engage(ENGAGES_S)
         time.sleep(GLIDE_S)

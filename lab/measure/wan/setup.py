@@ -1,4 +1,4 @@
-"""What the sites of the bench are started with: certificates, QUIC for control, TLS for pictures; all else default."""
+"""Setup of the bench's sites: certificates, QUIC for control, TLS for pictures; all else default."""
 
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -35,12 +35,12 @@ class WanSetup:
 
     @property
     def security(self) -> LinkSecurity:
-        """How the bench's own link connects: as the operator."""
+        """The security of the bench's own link: that of the operator."""
         return self.certificates.security_of(f"operator.{OPERATOR}")
 
     @property
     def security_of_viewer(self) -> LinkSecurity:
-        """How a viewer's link connects."""
+        """The security of a viewer's link."""
         return self.certificates.security_of("viewer")
 
     @property

@@ -63,15 +63,15 @@ class LinkedHosts:
 
     @property
     def beyond(self) -> tuple[str, ...]:
-        """What begins a command on the other host."""
+        """The words that begin a command on the other host."""
         return "nsenter", f"--net=/proc/{self._processes[0].pid}/ns/net"
 
     def impair(self, **fields: float) -> None:
-        """What the link does from now on; without fields it is a good one."""
+        """Set what the link does from now on; without fields it is a good one."""
         send(self._commands, **fields)
 
     def report(self) -> list[dict[str, float]]:
-        """What the link has carried in each direction since the last report, and how late (see link_shim)."""
+        """Ask what the link has carried in each direction since the last report, and how late (see link_shim)."""
         report = self._folder / "report"
         send(self._commands, report=str(report))
         until(report.exists, "what the link has carried")

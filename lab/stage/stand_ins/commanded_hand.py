@@ -14,7 +14,7 @@ from remote_site.kinematics.model import ArmModel
 
 
 class CommandedHand:
-    """Commands the scripted operator of one local site."""
+    """The scripted operator of one local site, as it is commanded."""
 
     def __init__(self, socket: Path, config: RemoteConfig) -> None:
         """`socket` is where the scripted operator listens, `config` that of the remote site."""

@@ -1,4 +1,4 @@
-"""What the operator's process is given, and what it notes of its work."""
+"""A sitting of the operator's process: what it is given, and what it notes of its work."""
 
 import msgspec
 
@@ -24,7 +24,7 @@ class Sitting(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
 
 class SittingNotes(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
-    """What the operator noted: when it began and ended (ns), counts; of each look how old the oldest view was and how
+    """The operator's notes: when it began and ended (ns), counts; of each look how old the oldest view was and how
     long it took (ms); how often the page gave which reason of the session's state.
 
     `late` is how often its hand stood still because its process came late.
@@ -42,7 +42,7 @@ class SittingNotes(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
 
     @property
     def time_s(self) -> float:
-        """How long the trial lasted."""
+        """The time that the trial lasted, s."""
         return (self.end_ns - self.start_ns) / NS_PER_S
 
     def add_look(self, age_ms: float, took_ms: float, code: str) -> None:

@@ -1,10 +1,10 @@
 // Reads a message of a view from the console: a header in JSON after its length, then the picture.
 const decoder = new TextDecoder();
 
-/** Header of a binary message, where its picture begins, and whether there is one or only the camera's status. */
+/** A binary message with its header, where its picture begins, and whether there is one or only the camera's status. */
 export function parsePicture(bytes) {
   const length = new DataView(bytes).getUint16(0, true);
   const header = JSON.parse(decoder.decode(new Uint8Array(bytes, 2, length)));
   const offset = 2 + length;
-  return { header, offset, isPicture: offset < bytes.byteLength };
+  return { header, bytes, offset, isPicture: offset < bytes.byteLength };
 }

@@ -1,7 +1,6 @@
 // One view: its canvas, painted with the newest picture, and the mark of how current it is.
 import { ageWords, judge } from "./freshness.js";
 import { decodedJpeg } from "./jpeg.js";
-import { parsePicture } from "./picture.js";
 import { PictureCanvas } from "./picture_canvas.js";
 import { ViewLabels } from "./view_labels.js";
 import { ViewOverlays } from "./view_overlays.js";
@@ -109,8 +108,7 @@ export class View {
   }
 
   /** Take a message of this view; resolves when it is painted or skipped, to false where a key frame is needed. */
-  async receive(bytes) {
-    const { header, offset, isPicture } = parsePicture(bytes);
+  async receive({ header, bytes, offset, isPicture }) {
     this.#header = header;
     if (!isPicture) {
       if (header.status === "missing" && this.#isOfOperator) this.#forget();

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import pytest
+
 from common.link.channels import LOAD_ECHO
 from common.link.transport import open_link
 from common.messages.probe import MOST_PADDING, ProbeEcho
@@ -37,6 +39,7 @@ def deaf(cell: Cell, folder: Path, *, sessions: int, every_s: float) -> Iterator
         yield
 
 
+@pytest.mark.slow
 def test_neighbours_that_ask_and_never_read_keep_no_stop_out(pki: Path) -> None:
     with (
         running(secured(pki, "remote")) as cell,
@@ -51,6 +54,7 @@ def test_neighbours_that_ask_and_never_read_keep_no_stop_out(pki: Path) -> None:
                 time.sleep(0.2)
 
 
+@pytest.mark.slow
 def test_an_answer_that_a_link_cannot_take_is_dropped_and_nobody_waits(pki: Path) -> None:
     with running(secured(pki, "remote")) as cell, deaf(cell, pki, sessions=1, every_s=0.05):
         asked = cell.asked

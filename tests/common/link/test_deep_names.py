@@ -5,6 +5,8 @@ import os
 import time
 from pathlib import Path
 
+import pytest
+
 from common.link.channels import STATE
 from common.link.runtime import STACK_BYTES
 from common.link.transport import open_link
@@ -35,6 +37,7 @@ def declare(endpoint: str) -> None:
         os._exit(0)
 
 
+@pytest.mark.slow
 def test_a_site_outlives_a_neighbour_whose_name_has_thousands_of_chunks() -> None:
     endpoint, spawn = f"tcp/127.0.0.1:{free_port()}", multiprocessing.get_context("spawn")
     site, neighbour = (spawn.Process(target=act, args=(endpoint,)) for act in (publish, declare))

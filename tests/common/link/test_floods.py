@@ -61,6 +61,7 @@ def last_seq(latest: Latest[HandArm]) -> int:
     return max((s.seq for s in iter(latest.take, None)), default=0)
 
 
+@pytest.mark.slow
 def test_who_listens_takes_no_more_than_the_cap_is_told_of_the_flood_and_hears_the_newest(links: list[Link]) -> None:
     receiver, sender, _ = links
     channel = dataclasses.replace(HAND, rate_hz=LOW_HZ)

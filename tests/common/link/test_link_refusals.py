@@ -45,6 +45,7 @@ def why_refused(endpoint: str, security: LinkSecurity) -> str:
     return str(caught.value)
 
 
+@pytest.mark.slow
 def test_without_a_certificate(pki: Path, cell: Cell) -> None:
     assert "needs certificates" in why_refused(cell.endpoint, ON_THIS_HOST)
     with dishonest(cell.endpoint, pki, None) as session:
@@ -52,6 +53,7 @@ def test_without_a_certificate(pki: Path, cell: Cell) -> None:
         assert session.info.links() == []
 
 
+@pytest.mark.slow
 def test_another_authority_with_the_same_names(pki: Path, cell: Cell) -> None:
     foreign = pki / "foreign"
     assert "comes from another authority" in why_refused(cell.endpoint, secured(foreign, "operator.anna"))
@@ -65,6 +67,7 @@ def test_a_stranger_who_trusts_us_is_told_that_we_do_not_trust_it(pki: Path, cel
     assert "comes from another authority" in why_refused(cell.endpoint, LinkSecurity(tls=mixed))
 
 
+@pytest.mark.slow
 def test_quic_where_only_tls_comes_through_says_what_is_blocked(pki: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("common.link.quic_blockage.QUIC_PATIENCE_S", 1.0)
     with running(secured(pki, "remote"), "tls") as cell:
@@ -73,6 +76,7 @@ def test_quic_where_only_tls_comes_through_says_what_is_blocked(pki: Path, monke
             until(lambda: f"let UDP through to port {endpoint.rpartition(':')[2]}" in told(link))
 
 
+@pytest.mark.slow
 def test_quic_that_has_been_there_is_not_said_to_be_blocked(pki: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("common.link.quic_blockage.QUIC_PATIENCE_S", 0.2)
     with ExitStack() as stack:
@@ -93,12 +97,14 @@ def test_an_operator_of_another_cell(pki: Path, cell: Cell) -> None:
     assert "certificate of remote.lab" in why
 
 
+@pytest.mark.slow
 def test_an_expired_certificate(pki: Path, cell: Cell) -> None:
     assert "aged.pem has expired; renew it" in why_refused(cell.endpoint, secured(pki, "aged"))
     with dishonest(cell.endpoint, pki, "aged") as session:
         assert not commands_arrive(session, cell)
 
 
+@pytest.mark.slow
 def test_a_certificate_that_expires_ends_the_link_and_says_so(pki: Path, cell: Cell) -> None:
     brief = Identity(Role.OPERATOR, CELL, ANNA)
     keep(
@@ -123,6 +129,7 @@ def test_plain_tcp_against_tls(cell: Cell) -> None:
     assert "refuses plain tcp: the listener there speaks TLS only" in why_refused(plain, ON_THIS_HOST)
 
 
+@pytest.mark.slow
 def test_tls_against_plain_tcp(pki: Path) -> None:
     with running(ON_THIS_HOST, "tcp") as plain:
         why = why_refused(plain.endpoint.replace("tcp/", "tls/"), secured(pki, "operator.anna"))
@@ -150,6 +157,7 @@ def test_a_clients_certificate_is_no_servers(pki: Path) -> None:
     assert "the certificate shown there is not made for this use" in why
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("protocol", SECURED)
 def test_an_impostor_who_comes_later_hears_nothing_and_is_not_believed(pki: Path, protocol: str) -> None:
     endpoint = f"{protocol}/127.0.0.1:{free_port()}"

@@ -49,6 +49,7 @@ def test_maintenance_stops_and_resets_but_never_engages(pki: Path, cell: Cell) -
             link.ask(ENGAGEMENT, CELL, request(), operator=ANNA)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("of", [CELL, "other"])
 def test_a_routers_certificate_commands_nothing_where_no_router_is_used(pki: Path, cell: Cell, of: str) -> None:
     with dishonest(cell.endpoint, pki, "router", cell=of) as session:

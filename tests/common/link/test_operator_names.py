@@ -63,6 +63,7 @@ def behind_router(pki: Path, protocol: str, listed: tuple[str, ...]) -> Iterator
         yield cell
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", ["peer", "client"])
 @pytest.mark.parametrize("name", OPERATORS)
 def test_an_operator_is_heard_under_the_own_name_and_no_other(pki: Path, anywhere: Cell, name: str, mode: str) -> None:
@@ -74,6 +75,7 @@ def test_an_operator_is_heard_under_the_own_name_and_no_other(pki: Path, anywher
         assert heard == {name}
 
 
+@pytest.mark.slow
 def test_an_operator_who_listens_to_everything_hears_no_other(pki: Path, anywhere: Cell) -> None:
     cell = anywhere
     with (
@@ -89,6 +91,7 @@ def test_an_operator_who_listens_to_everything_hears_no_other(pki: Path, anywher
         assert heard <= {STATE.key_for(CELL)}
 
 
+@pytest.mark.slow
 def test_an_operator_cannot_speak_to_anothers_local_site_through_a_router(pki: Path, routed: Cell) -> None:
     with (
         open_link(connect=(routed.endpoint,), security=secured(pki, "operator.anna")) as anna,
@@ -132,6 +135,7 @@ def test_an_honest_client_refuses_itself_anothers_name(pki: Path, cell: Cell) ->
             link.latest(HAND, CELL)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("protocol", SECURED)
 def test_a_name_taken_off_the_list_is_refused_after_a_restart_and_learns_why(pki: Path, protocol: str) -> None:
     with running(secured(pki, "remote"), protocol) as cell, dishonest(cell.endpoint, pki, "operator.ben") as ben:
@@ -157,6 +161,7 @@ def test_a_site_that_runs_while_its_name_is_taken_off_learns_why_it_is_answered_
             assert ben.ask(CLOCK, CELL, ClockQuestion()) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("protocol", SECURED)
 def test_a_name_that_the_router_does_not_list_is_refused(pki: Path, protocol: str) -> None:
     with behind_router(pki, protocol, (ANNA,)) as cell:

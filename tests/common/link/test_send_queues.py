@@ -131,6 +131,7 @@ def test_a_descriptor_that_is_another_files_now_tells_nothing(
         assert queues.unsent_bytes(ANNAS) == 0
 
 
+@pytest.mark.slow
 def test_of_a_real_link_too(pki: Path) -> None:
     anna = secured(pki, f"operator.{ANNA}")
     with running(secured(pki, "remote")) as cell, open_link(connect=(cell.endpoint,), security=anna):

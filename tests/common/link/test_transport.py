@@ -105,6 +105,7 @@ def ask(link: Link, identity: int, seconds: float = WAIT_S) -> Reply:
     return RequestClient(link, "lab", operator="anna", patience_ns=round(seconds * 1e9)).ask(ENGAGEMENT, make)
 
 
+@pytest.mark.slow
 def test_a_request_repeated_with_its_id_happens_once(links: tuple[Link, Link]) -> None:
     server, client = links
     handled: list[int] = []

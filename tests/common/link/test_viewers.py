@@ -105,6 +105,7 @@ def test_pictures_are_sent_for_viewers_only_while_one_listens(site: Watched) -> 
         until(lambda: not pictures.has_listener)
 
 
+@pytest.mark.slow
 def test_of_all_that_viewers_send_only_so_much_reaches_the_site(site: Watched) -> None:
     asked = site.video.latest(KEY_FRAMES, CELL)
     request = KeyFrameRequest(camera="side", after_seq=0)
@@ -131,6 +132,7 @@ def test_a_viewers_own_side_refuses_what_it_may_not(site: Watched) -> None:
             link.latest(HAND, CELL, operator=ANNA)
 
 
+@pytest.mark.slow
 def test_a_viewer_commands_nothing_through_it_and_hears_no_hand(site: Watched) -> None:
     anna = secured(site.pki, "operator.anna")
     with (
@@ -147,6 +149,7 @@ def test_a_viewer_commands_nothing_through_it_and_hears_no_hand(site: Watched) -
         assert not commands_arrive(viewer, site.cell)
 
 
+@pytest.mark.slow
 def test_only_viewers_are_let_in_there(site: Watched) -> None:
     with pytest.raises(RefusedError, match="comes from another authority"):
         open_link(connect=(site.endpoint,), security=secured(site.pki, "operator.anna"))
@@ -156,6 +159,7 @@ def test_only_viewers_are_let_in_there(site: Watched) -> None:
         assert heard.try_recv() is None
 
 
+@pytest.mark.slow
 def test_a_viewer_at_the_control_endpoint_is_told_where_viewers_connect(pki: Path, cell: Cell) -> None:
     with pytest.raises(RefusedError, match=r"viewers connect to links\.viewers there"):
         open_link(connect=(cell.endpoint,), security=secured(pki, "viewer"))

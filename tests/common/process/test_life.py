@@ -79,6 +79,7 @@ def lasting(path: Path) -> ChildMain:
     return main
 
 
+@pytest.mark.slow
 def test_who_started_last_is_told_to_end_first_and_a_stubborn_one_does_not_keep_it_from_the_others(
     tmp_path: Path,
 ) -> None:
@@ -201,6 +202,7 @@ def test_a_child_that_is_not_vital_may_die_or_never_be_ready() -> None:
         children.end()
 
 
+@pytest.mark.slow
 def test_a_child_that_will_not_end_is_killed() -> None:
     children = Children("test")
     child = children.start("worker", stubborn)
@@ -212,6 +214,7 @@ def test_a_child_that_will_not_end_is_killed() -> None:
     assert [(entry["event"], entry["log_level"]) for entry in logs] == [("had to be killed", "error")]
 
 
+@pytest.mark.slow
 def test_a_child_that_is_killed_while_it_starts_is_no_error() -> None:
     begun = multiprocessing.get_context("fork").Event()
 
@@ -229,6 +232,7 @@ def test_a_child_that_is_killed_while_it_starts_is_no_error() -> None:
     assert [(entry["event"], entry["log_level"]) for entry in logs] == [("ended while it was starting", "info")]
 
 
+@pytest.mark.slow
 def test_a_hanging_child_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     children = Children("test")
     children.start("worker", stubborn)

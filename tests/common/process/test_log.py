@@ -107,6 +107,7 @@ finally:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("log_format", ["text", "json"])
 @pytest.mark.parametrize("stray", STRAYS)
 def test_tracebacks_and_what_libraries_say_neither_act_on_a_terminal_nor_begin_a_line(

@@ -56,6 +56,7 @@ print("came through", len(raised))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("program", [STORM, WITHIN], ids=["storm", "at every line"])
 def test_thousands_of_signals_in_a_tight_loop_never_hang_what_waits(program):
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}

@@ -195,6 +195,7 @@ print(read_all(path), repair(path).messages, read_all(path))
 """
 
 
+@pytest.mark.slow
 def test_the_largest_that_is_read_takes_no_more_memory_than_is_stated(tmp_path: Path) -> None:
     count = MOST_CHUNK_BYTES // (31 + 9000)
     path = forged(tmp_path / "x.mcap", [chunk_of(messages(count, 9000))] * 2, count=2 * count)

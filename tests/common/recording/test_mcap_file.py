@@ -100,6 +100,7 @@ def test_a_file_whose_flushes_are_late_has_chunks_of_bounded_size(tmp_path: Path
     file.close()
 
 
+@pytest.mark.slow
 def test_a_file_cut_at_any_byte_is_whole_to_its_last_flush(tmp_path: Path) -> None:
     whole = tmp_path / "whole.mcap"
     file, ends = unfinished(whole, 0), []

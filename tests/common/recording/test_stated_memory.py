@@ -96,6 +96,7 @@ def test_schemas_and_topics_that_each_chunk_repeats_count_once(tmp_path: Path) -
     assert repair(path).messages == read_all(path) == count
 
 
+@pytest.mark.slow
 def test_as_much_as_a_repair_takes_a_reader_takes_too(tmp_path: Path) -> None:
     """The index has a count for each topic, beside what describes it."""
     path, count = tmp_path / "x.mcap", 43_000

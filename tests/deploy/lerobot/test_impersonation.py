@@ -91,6 +91,7 @@ def teleop(folder: Path, endpoint: str, who: str = "viewer") -> Iterator[Farhand
             device.disconnect()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("who", ["viewer", "maintenance"])
 def test_a_clients_certificate_is_no_servers(folder: Path, who: str) -> None:
     with (
@@ -112,6 +113,7 @@ def test_an_earlier_certificate_for_every_use_is_refused_by_the_name_in_it(earli
         device.connect()
 
 
+@pytest.mark.slow
 def test_who_takes_the_cells_place_later_is_not_heard(earlier: Path) -> None:
     port = free_port()
     with teleop(earlier, f"tls/127.0.0.1:{port}") as device:

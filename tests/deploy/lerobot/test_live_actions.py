@@ -96,6 +96,7 @@ def test_a_state_that_is_old_by_the_cells_clock_is_refused_although_it_came_just
     action(connected)
 
 
+@pytest.mark.slow
 def test_silence_is_refused_as_soon_as_the_last_state_is_too_old(published):
     device = teleop(published, max_age_ms=2_000.0)
     device.connect()
@@ -149,6 +150,7 @@ def test_a_cell_with_other_joints_or_that_does_not_answer_is_refused_with_the_cu
         FarhandTeleop(silent).connect()
 
 
+@pytest.mark.slow
 def test_with_certificates_a_viewers_suffices(secured_cell, tmp_path):
     endpoint, folder = secured_cell.endpoint, tmp_path / "pki"
     pair = folder / CELL / "viewer"

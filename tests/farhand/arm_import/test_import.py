@@ -37,6 +37,7 @@ def config(imported, tmp_path, monkeypatch):
     return load_config(RemoteConfig, imported[0])
 
 
+@pytest.mark.slow
 def test_the_site_starts_with_it_from_any_folder(config):
     assert find_mistakes(config) == []
 

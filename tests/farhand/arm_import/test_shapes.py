@@ -18,6 +18,7 @@ BEAM = box_triangles((0.2, 0.02, 0.02), (0.0, 0.0, 0.0))
 CORNER = np.concatenate([BEAM, box_triangles((0.02, 0.02, 0.2), (0.18, 0.0, 0.22))])  # an L
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10_000), st.integers(1, 40))
 def test_no_point_is_outside(seed, count):
     points = np.random.default_rng(seed).normal(size=(count, 3)) * [0.3, 0.1, 0.05]

@@ -117,6 +117,7 @@ def test_the_clock_offset_is_found_and_its_error_lies_within_its_uncertainty(sta
     assert 0 <= cell.clock.now_ns() - clock.measured_ns < 5 * NS_PER_S
 
 
+@pytest.mark.slow
 def test_the_lease_is_acquired_renewed_beyond_its_duration_and_given_back_at_the_end(cell):
     with local_site(cell, "anna", 7) as (authority, _):
         until(lambda: lease_of(authority) == 1000, "the lease")
@@ -127,6 +128,7 @@ def test_the_lease_is_acquired_renewed_beyond_its_duration_and_given_back_at_the
     assert cell.holder is None
 
 
+@pytest.mark.slow
 def test_a_site_ends_soon_although_the_remote_site_does_not_answer_any_more(stack, cell):
     link = stack.enter_context(open_link(connect=(cell.endpoint,)))
     with capture_logs():
@@ -153,6 +155,7 @@ def test_a_link_is_closed_in_time_whatever_its_neighbours_do(stack, monkeypatch)
     assert CLOSE_PATIENCE_S <= time.monotonic() - began < CLOSE_PATIENCE_S + 0.3
 
 
+@pytest.mark.slow
 def test_a_second_operator_is_refused_with_the_holders_name_until_the_holder_consents(stack, cell):
     anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")
@@ -170,6 +173,7 @@ def test_a_second_operator_is_refused_with_the_holders_name_until_the_holder_con
         act_on_lease(CELL, annas, "anna", OperatorAction.GIVE, Asker("ben", 8))
 
 
+@pytest.mark.slow
 def test_consent_for_somebody_who_does_not_ask_any_more_is_void(stack, cell):
     anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")
@@ -200,6 +204,7 @@ def test_the_holder_and_who_asks_are_told_apart_by_their_sites():
     assert words[1] == "anna (site 80) asks for it; anna consents with: farhand lease give anna"
 
 
+@pytest.mark.slow
 def test_lease_take_says_whom_it_waits_for_and_waits_for_the_consent(stack, cell):
     _anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")
@@ -214,6 +219,7 @@ def test_lease_take_says_whom_it_waits_for_and_waits_for_the_consent(stack, cell
     until(lambda: lease_of(ben) == 1001, "ben's lease")
 
 
+@pytest.mark.slow
 def test_lease_take_ends_when_nobody_consents_or_nobody_answers(stack, cell, monkeypatch):
     monkeypatch.setattr("farhand.authority.lease.KEEP_ASKING_NS", NS_PER_S)
     stack.enter_context(local_site(cell, "anna", 7))
@@ -231,6 +237,7 @@ def test_lease_take_ends_when_nobody_consents_or_nobody_answers(stack, cell, mon
         take_lease(CELL, lonely, "carl", told.append)
 
 
+@pytest.mark.slow
 def test_after_a_handover_the_log_says_that_it_is_not_asked_for_automatically_and_a_refusal_once(stack, cell):
     with capture_logs() as log:
         anna, annas = stack.enter_context(local_site(cell, "anna", 7))
@@ -268,6 +275,7 @@ def test_consent_without_anyone_who_asks_is_refused(stack, cell):
     assert lease_of(anna) == 1000
 
 
+@pytest.mark.slow
 def test_a_released_lease_is_free_and_not_asked_for_again_by_itself(stack, cell):
     anna, annas = stack.enter_context(local_site(cell, "anna", 7))
     until(lambda: cell.holder == "anna", "anna's lease")

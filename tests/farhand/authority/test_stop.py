@@ -58,6 +58,7 @@ def test_operators_and_maintenance_stop_each_on_their_own_key(
     assert cell.heard[key] > before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("who", ["operator.anna", "maintenance"])
 def test_where_quic_lets_nobody_in_a_stop_goes_by_tls(pki: Path, cell: Cell, who: str) -> None:
     by_quic = cell.endpoint.replace("tls/", "quic/")  # nothing answers there
@@ -79,6 +80,7 @@ def test_who_may_not_stop_is_told_why_and_what_to_use(pki: Path, cell: Cell, who
     assert why in str(refused.value)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("impatient")
 def test_without_an_answer_a_stop_is_asked_again_until_the_time_is_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("common.link.request_client.PATIENCE_NS", 1000 * NS_PER_MS)
@@ -116,6 +118,7 @@ def reset(cell: str, endpoint: str, operator: str) -> str:
     return request_reset(cell, endpoint, operator, print)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("stopped")
 @pytest.mark.parametrize(
     ("ask", "begins"),
@@ -129,6 +132,7 @@ def test_a_reply_that_refuses_is_no_success(ask, begins: str, monkeypatch: pytes
     assert str(told.value).startswith(begins)
 
 
+@pytest.mark.slow
 def test_a_reset_says_what_it_clears_and_names_no_more_than_that(
     stopped: RobotState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -186,6 +190,7 @@ def test_a_stop_by_maintenance_that_cannot_be_asked_names_the_emergency_stop_too
     assert isinstance(refused.exception, ConfigError)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("stopped")
 @pytest.mark.parametrize("code", ["stopped", "fault", "robot_not_ready"])
 def test_an_engagement_that_needs_a_reset_first_names_the_command(code: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -146,6 +146,7 @@ def test_a_routers_certificate_that_names_no_cell_is_refused_with_the_cure(folde
         load_credentials(files(folder, "router"))
 
 
+@pytest.mark.slow
 def test_a_certificate_that_expires_while_a_site_runs_is_found(folder: Path) -> None:
     soon = issue(
         load_authority(folder), Identity(Role.REMOTE, "lab"), ("127.0.0.1",), datetime.now(UTC), timedelta(seconds=2)

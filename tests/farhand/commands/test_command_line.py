@@ -150,6 +150,7 @@ def test_one_certificate_has_one_key(here) -> None:
     assert ", and their keys\nname carl and dora in links.operators" in two.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [["--help"], ["config", "show", "remote"], ["config", "init", "sites"]])
 def test_a_full_disk_ends_a_command_without_a_traceback(command: list[str], tmp_path: Path) -> None:
     with Path("/dev/full").open("w") as full:
@@ -219,6 +220,7 @@ def test_ctrl_c_before_anything_listens_to_it_ends_without_a_traceback(monkeypat
     assert capsys.readouterr().err == "farhand: interrupted\n"
 
 
+@pytest.mark.slow
 def test_a_start_that_fails_leaves_the_marker_of_an_unfinished_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -238,6 +240,7 @@ def with_cameras(rig: Path) -> list[str]:
     return ["local", *(part for s in (*settings, "tracking.method=markers") for part in ("--set", s))]
 
 
+@pytest.mark.slow
 def test_a_missing_camera_is_told(tmp_path: Path, here) -> None:
     csv, rig = tmp_path / "points.csv", tmp_path / "rig.json"
     csv.write_text("\n".join(control_point_rows(SimulationConfig().stereo, 0.3, 1)) + "\n")

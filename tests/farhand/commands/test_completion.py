@@ -41,6 +41,7 @@ def completed(tmp_path: Path):
     return complete
 
 
+@pytest.mark.slow
 def test_commands_options_and_choices_are_completed(completed) -> None:
     assert completed("sta") == ["status"]
     assert completed("maintenance", "") == ["stop", "reset"]
@@ -48,6 +49,7 @@ def test_commands_options_and_choices_are_completed(completed) -> None:
     assert completed("track", "--tracker", "m") == ["markers", "monocular"]
 
 
+@pytest.mark.slow
 def test_names_and_keys_are_completed_and_files_are_left_to_the_shell(completed) -> None:
     assert completed("config", "show", "remote-") == ["remote-assist", "remote-thesis"]
     assert completed("loopback", "--driver", "k") == ["kinematic"]

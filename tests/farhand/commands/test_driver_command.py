@@ -46,6 +46,7 @@ def _left_as_it_was() -> Iterator[None]:
     structlog.reset_defaults()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("_left_as_it_was")
 @pytest.mark.parametrize(
     ("verdicts", "summary"),
@@ -74,6 +75,7 @@ def test_the_last_line_counts_both(verdicts: Sequence[Verdict], summary: str, mo
     assert lines[-1] == summary
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_ends_the_suite_in_order_once_the_robot_rests(number: signal.Signals) -> None:
     command = [sys.executable, "-m", "farhand", "driver", "test", "kinematic"]

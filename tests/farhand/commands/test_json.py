@@ -58,6 +58,7 @@ def test_no_command_forgets_it() -> None:
     assert with_json == set(documented())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PLAYS)
 def test_a_result_is_one_json_object_with_the_documented_keys(name: str, play) -> None:
     done = play(name, PLAYS[name], "--json")

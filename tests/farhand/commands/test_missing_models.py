@@ -26,6 +26,7 @@ def track_arguments(folder: Path) -> list[str]:
     return [*given, "--tracker", "learned"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["loopback", "local", "track"])
 def test_a_command_that_tracks_ends_with_the_cure(command: str, tmp_path: Path) -> None:
     (port,) = free_ports(1)

@@ -19,6 +19,7 @@ ASKING = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("words", "options"), ASKING)
 def test_the_endpoint_that_does_not_answer_is_named(
     words: tuple[str, ...], options: set[str], monkeypatch: pytest.MonkeyPatch

@@ -56,6 +56,7 @@ def test_the_loopback_runs_both_at_the_rate_of_the_thesis() -> None:
     assert remote.safety.t_soft_ms == 400.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", [LOCAL, REMOTE])
 def test_the_doctor_finds_no_mistake_in_it(path: Path) -> None:
     ports = [f"tcp/127.0.0.1:{port}" for port in free_ports(2)]
@@ -65,6 +66,7 @@ def test_the_doctor_finds_no_mistake_in_it(path: Path) -> None:
     assert worst(findings) is not Severity.ERROR, findings
 
 
+@pytest.mark.slow
 def test_the_arm_follows_without_a_hold_as_fast_as_the_age_limit_allows(filmed: Film, local: LocalConfig) -> None:
     path = followed(filmed, local)
     assert path.hindered == {}

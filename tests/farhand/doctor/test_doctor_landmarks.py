@@ -40,6 +40,7 @@ def test_where_the_service_is_installed_its_own_folder_counts(cache: Path) -> No
     assert facts.cure == f"sudo -u farhand env CACHE_DIRECTORY={service} farhand models install"
 
 
+@pytest.mark.slow
 def test_only_the_tracker_that_uses_them_is_asked_for_them(cache: Path) -> None:
     assert not cache.exists()
     checks = {

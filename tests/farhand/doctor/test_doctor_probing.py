@@ -111,6 +111,7 @@ def test_a_live_camera_that_gives_half_of_what_it_states_is_a_warning(monkeypatc
     assert "exposure_ms" in finding.cure
 
 
+@pytest.mark.slow
 def test_settings_of_a_camera_that_the_rig_lacks_are_a_mistake(tmp_path: Path) -> None:
     rig = tmp_path / "rig.json"
     save_rig(exact_rig(SimulationConfig().stereo), rig)
@@ -131,6 +132,7 @@ def test_a_rig_tells_its_age(tmp_path: Path) -> None:
     assert "cannot read the rig" in probe_rig(str(tmp_path / "absent.json"), NOW).problem
 
 
+@pytest.mark.slow
 def test_the_other_clock_is_asked_where_it_answers(monkeypatch: pytest.MonkeyPatch) -> None:
     (port,) = free_ports(1)
     endpoint, stop = f"tcp/127.0.0.1:{port}", threading.Event()
@@ -195,6 +197,7 @@ def test_a_token_that_everybody_can_read_is_found(tmp_path: Path, mode: int, lev
     assert [finding.level for finding in examine(path, ()) if finding.check == "page's token"] == [level]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "mode", "levels"),
     [
@@ -217,6 +220,7 @@ def test_a_cameras_password_that_everybody_can_read_is_found(tmp_path: Path, tex
     assert not any("s3cret" in str(finding) for finding in found)
 
 
+@pytest.mark.slow
 def test_a_real_run_ends_by_its_worst_finding(tmp_path: Path) -> None:
     config = tmp_path / "local.toml"
     listen, remote = free_ports(2)
@@ -263,6 +267,7 @@ def test_a_file_that_is_not_there_is_not_to_be_corrected_in_a_line(tmp_path: Pat
         assert "correct that line" not in done.output
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("setting", "found"),
     [
@@ -295,6 +300,7 @@ def test_the_robots_side_is_loaded_as_the_remote_site_would(setting: str, found:
     assert done.exit_code == int(found.startswith(("error", "there is no")))
 
 
+@pytest.mark.slow
 def test_an_arm_whose_file_states_no_jerk_is_said_to_have_none(tmp_path: Path) -> None:
     urdf = tmp_path / "arm.urdf"
     urdf.write_text(RobotConfig().urdf.read_text().replace(' jerk="1000"', ""))
@@ -304,6 +310,7 @@ def test_an_arm_whose_file_states_no_jerk_is_said_to_have_none(tmp_path: Path) -
     assert "100 rad/s³ counts; a stop takes 548 ms at most (joint_5)" in found.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("setting", "wrong"),
     [("driver.name=kinematic", 0), ("tracking.method=markers", 0), ("metrics.port=-1", 2), ("drivr.name=x", 2)],

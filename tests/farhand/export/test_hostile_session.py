@@ -88,6 +88,7 @@ def test_what_is_too_long_at_any_rate_is_refused(tmp_path: Path) -> None:
         to_csv(session, tmp_path, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("export", [to_csv, to_mp4])
 def test_of_a_long_session_some_rows_at_a_time_are_in_memory(export: Export, tmp_path: Path) -> None:
     """Three million rows are 1 GB."""

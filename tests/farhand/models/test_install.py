@@ -55,6 +55,7 @@ def test_another_wheel_is_refused_and_leaves_what_is_there(
     assert read_model(MODELS[1], tmp_path) == b"hands"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("compression", [zipfile.ZIP_DEFLATED, zipfile.ZIP_LZMA])
 @pytest.mark.parametrize("stated", [None, 5])
 def test_a_wheel_whose_model_fills_the_memory_is_refused_unread(

@@ -35,6 +35,7 @@ def package(tmp_path: Path) -> Path:
     return tmp_path / "my_arm"
 
 
+@pytest.mark.slow
 def test_its_own_tests_pass(package: Path) -> None:
     done = run("-m", "pytest", "-q", "-p", "no:cacheprovider", "tests", path=package)
     assert done.returncode == 0, done.stdout + done.stderr

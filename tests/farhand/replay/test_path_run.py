@@ -10,7 +10,7 @@ from common.clock import NS_PER_S
 from common.errors import RefusedError
 from common.messages.hand import Locks
 from common.messages.robot import GripperCommand, GripperStatus, SessionState
-from lab.experiments.stepped.site import SESSION
+from lab.stage.stepped.site import SESSION
 from local_site.programmed.approach import approach
 from local_site.programmed.path_progress import PathProgress
 from local_site.programmed.path_run import ENDED, WAITS
@@ -54,6 +54,7 @@ def off_m(cell, path, t_s):
     return np.linalg.norm(cell.base_T_tool[:3, 3] - path.base_T_tool(t_s)[:3, 3])
 
 
+@pytest.mark.slow
 def test_nothing_moves_before_the_key_is_held_and_then_the_path_is_run_from_where_the_arm_stands():
     path = some_path(GripperAction(2.0, GripperCommand.CLOSED))
     cell = cell_on(path, GripperCommand.OPEN)
@@ -75,6 +76,7 @@ def test_nothing_moves_before_the_key_is_held_and_then_the_path_is_run_from_wher
     assert cell.site.gripper.status is GripperStatus.CLOSED
 
 
+@pytest.mark.slow
 def test_the_key_let_go_stops_the_arm_and_a_new_engagement_begins_with_an_approach_again():
     path = some_path()
     cell = engaged(cell_on(path, goes_on=False))
@@ -110,6 +112,7 @@ def held(path, *, goes_on):
     return cell
 
 
+@pytest.mark.slow
 def test_a_taught_run_goes_on_after_a_hold_by_an_approach():
     path = some_path()
     cell = held(path, goes_on=True)
@@ -121,6 +124,7 @@ def test_a_taught_run_goes_on_after_a_hold_by_an_approach():
     assert off_m(cell, path, 2.0) < NEAR_M
 
 
+@pytest.mark.slow
 def test_a_replayed_run_has_ended_with_a_hold():
     cell = held(some_path(), goes_on=False)
     cell.until(ENDED)
@@ -171,6 +175,7 @@ def test_the_hand_goes_as_far_as_the_scale_on_the_page_needs(under_way):
     assert runs.hand(now_ns, halved).wrist == pytest.approx(2.0 * hand.wrist)
 
 
+@pytest.mark.slow
 def test_a_path_out_of_reach_is_not_run_through_without_the_arm():
     path = some_path()
     far = ToolTrajectory(path.t_s, path.positions + np.array([0.3, 0.0, 0.18]), path.orientations)
@@ -181,6 +186,7 @@ def test_a_path_out_of_reach_is_not_run_through_without_the_arm():
     assert not cell.progress.is_done
 
 
+@pytest.mark.slow
 def test_no_gripper_acts_where_the_arm_cannot_be():
     path = some_path(GripperAction(2.0, GripperCommand.CLOSED))
     x, y, _ = PATIENT.safety.workspace_min_m
@@ -193,6 +199,7 @@ def test_no_gripper_acts_where_the_arm_cannot_be():
     assert cell.site.gripper.status is GripperStatus.OPEN
 
 
+@pytest.mark.slow
 def test_a_run_whose_end_the_arm_has_not_reached_is_not_told_to_be_well():
     cell = engaged(cell_on(some_path()))
     cell.until("done")
@@ -225,6 +232,7 @@ def moved_mm(cell, stood):
     return 1e3 * np.linalg.norm(cell.base_T_tool[:3, 3] - stood[:3, 3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [EngagementMode.AUTOMATIC, EngagementMode.ON_REQUEST])
 @pytest.mark.parametrize("goes_on", [True, False])
 def test_a_remote_site_that_starts_again_in_another_mode_ends_the_runs_and_the_arm_stays(mode, goes_on):
@@ -240,6 +248,7 @@ def test_a_remote_site_that_starts_again_in_another_mode_ends_the_runs_and_the_a
     assert moved_mm(cell, stood) < 1.0
 
 
+@pytest.mark.slow
 def test_after_a_restart_in_the_same_mode_only_a_key_pressed_anew_begins_a_run_and_from_the_paths_beginning():
     path = some_path()
     cell = engaged(cell_on(path))
@@ -258,6 +267,7 @@ def test_after_a_restart_in_the_same_mode_only_a_key_pressed_anew_begins_a_run_a
     assert off_m(cell, path, 2.0) < NEAR_M
 
 
+@pytest.mark.slow
 def test_a_restart_with_another_mapping_is_led_by_that_mapping():
     path = some_path()
     cell = engaged(cell_on(path))
@@ -279,6 +289,7 @@ NOT_OURS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("made", NOT_OURS)
 def test_an_engagement_that_another_made_leads_no_run_and_ends_the_one_under_way(made, under_way):
     runs, progress, now_ns, state = under_way

@@ -77,6 +77,7 @@ def shown(player, page, clock, seconds=0.0):
     return page.kinds["situation"]
 
 
+@pytest.mark.slow
 def test_the_scene_has_states_hands_and_pictures_in_the_order_of_their_times(scene):
     times, messages = zip(*scene.shown(scene.begin_ns), strict=True)
     assert list(times) == sorted(times)

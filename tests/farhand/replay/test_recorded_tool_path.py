@@ -61,6 +61,7 @@ def test_targets_and_times_are_those_of_the_states():
     assert path.base_T_tool(1.0)[:3, :3] == pytest.approx(TOOL[:3, :3])
 
 
+@pytest.mark.slow
 def test_states_are_read_one_after_the_other_and_not_all_kept(tmp_path):
     path = tmp_path / "x.mcap"
     file = McapFile(path, "test")
@@ -135,6 +136,7 @@ def test_a_toggle_counts_once_also_where_states_come_late_or_the_remote_site_has
     assert [action.command for action in path_of(states).actions] == [GripperCommand.CLOSED] * 2
 
 
+@pytest.mark.slow
 def test_all_toggles_of_the_emulated_a465_are_replayed():
     site = StartedSite(a465_holding()).ready().engaged()
     states, commanded = [], []
@@ -184,6 +186,7 @@ def test_an_episode_without_motion_and_one_that_is_not_there_are_refused_by_name
     assert recorded_path(file, cell, None).episode == 1
 
 
+@pytest.mark.slow
 def test_an_episode_lasts_to_the_end_of_a_recording_that_was_cut(tmp_path):
     recorded = recorded_states(tmp_path, moves_back)
     cell = recorded_cell(recorded.file, tmp_path).cell

@@ -56,6 +56,7 @@ def pipeline(recording, tmp_path):
     return recorded_pipeline(recording, tmp_path)
 
 
+@pytest.mark.slow
 def test_a_recording_gives_the_same_commands_bit_for_bit(recording, cycles):
     result = CliRunner().invoke(app, ["replay", "--verify", str(recording)])
     assert result.exit_code == 0

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pytest
 
 from common.cameras.camera import Image
 from farhand.reports.plotting import describe_panel, panels, png, widen
@@ -56,6 +57,7 @@ def test_nothing_is_drawn_by_way_of_a_display() -> None:
     assert subprocess.run([sys.executable, "-c", NO_PYPLOT], check=False, timeout=60).returncode == 0
 
 
+@pytest.mark.slow
 def test_without_matplotlib_an_experiment_names_the_extra_before_any_work(tmp_path: Path) -> None:
     command = [sys.executable, "-c", WITHOUT_MATPLOTLIB, "experiment", "drift", "--out", str(tmp_path / "out")]
     done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=60)

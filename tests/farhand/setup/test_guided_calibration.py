@@ -30,6 +30,7 @@ def taken():
     return guide, kept, person
 
 
+@pytest.mark.slow
 def test_each_pose_that_both_cameras_see_is_kept_once(taken):
     _, kept, person = taken
     seen = [k for k in range(FEW) if k != 3]  # the left camera does not see the board in the fourth pose

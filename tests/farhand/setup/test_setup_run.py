@@ -54,6 +54,7 @@ def tools(cameras=BoardCamera, views=None):
     )
 
 
+@pytest.mark.slow
 def test_cameras_become_a_calibrated_configuration(tmp_path):
     person = ScriptedPerson(SCRIPT)
     set_up(tmp_path, person, tools())
@@ -74,6 +75,7 @@ def test_cameras_become_a_calibrated_configuration(tmp_path):
     assert json.loads((tmp_path / named).read_text()) == json.loads(json.dumps(schema_of(LocalConfig)))
 
 
+@pytest.mark.slow
 def test_a_setup_that_was_left_keeps_its_pairs_and_goes_on(tmp_path):
     class Interrupted(BoardCamera):
         """Ctrl-C comes with a frame of the fifth pose."""

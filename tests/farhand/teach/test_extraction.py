@@ -44,6 +44,7 @@ def test_another_frame_may_be_given():
     assert task.waypoints[1].xyz_mm == pytest.approx((0.0, -200.0, 0.0), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_recording_becomes_a_file_that_is_shown(tmp_path, capsys):
     file, out, picture = recorded_states(tmp_path, moves_back).file, tmp_path / "task.toml", tmp_path / "task.png"
     extract(file, out)

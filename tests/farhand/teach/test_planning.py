@@ -44,6 +44,7 @@ def off_polyline_mm(path, task):
     return nearest.max()
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None)
 @given(st.lists(st.tuples(PLACE, TURN), min_size=2, max_size=6))
 def test_speeds_and_blend_are_kept_and_every_way_point_has_its_mark(points):

@@ -162,6 +162,7 @@ def test_a_track_that_a_person_stops_says_how_far_it_came_and_what_is_kept(track
     assert (tmp_path / "track.jsonl").exists() == (seen > 0)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.exists(), reason="the recordings are not here")
 @pytest.mark.parametrize("exchanged", [False, True])
 def test_an_exchanged_pair_is_told_by_the_exit_code(track, tmp_path, exchanged):
@@ -186,6 +187,7 @@ def test_an_exchanged_pair_is_told_by_the_exit_code(track, tmp_path, exchanged):
     assert all([float(row[f"wrist_{a}_m"]) for a in "xyz"] == line["wrist"] for row, line in found)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not DATA.exists(), reason="the recordings are not here")
 def test_the_file_of_another_rig_is_told_in_the_closing_sentence(track):
     pair = [f"--{name}={DATA / 'yz' / name}.avi" for name in ("left", "right")]

@@ -55,6 +55,7 @@ def test_one_camera_is_tracked_from_the_joints_that_are_given(folder):
     assert "index and thumb are not measured" in lines[-1]["reason"]
 
 
+@pytest.mark.slow
 def test_an_arm_before_a_dark_wall_is_found_by_its_silhouette(folder):
     film, swing = hazel_film(Scenery(wall=20.0, wall_relief=3.0)), Swing(speed=3.0)
     for k in range(FRAMES):

@@ -130,6 +130,7 @@ def test_cameras_in_an_office_give_pictures_in_colour():
         source.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("begins", ["at_once", "when_engaged"])
 def test_an_operator_moves_once_he_begins(begins):
     picture, motion = PictureConfig(noise_sigma=0.0), MotionConfig(name="figure_of_eight", begins=begins, still_s=0.0)

@@ -70,6 +70,7 @@ def worst_mm(rig, cameras):
     return 1e3 * max(distances)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("board", "k1"), SCENES)
 def test_corners_are_found_to_a_tenth_of_a_pixel(board, k1):
     cameras, placed, views = scene(board, k1)
@@ -133,6 +134,7 @@ def facing(side):
     return PhysicalCamera(Lens(800.0, 800.0, 320.0, 240.0), turn, np.array([0.0, 0.0, 0.9]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tilt", [("x", 34), ("x", -34), ("y", 34), ("x", 50)], ids=str)
 def test_a_tilted_first_board_before_cameras_that_face_it_is_solved_and_not_taken_for_exchanged_cameras(tilt):
     cameras = [facing(side) for side in (-1, 1)]

@@ -61,6 +61,7 @@ def test_recorded_discs_give_a_rig_to_a_fifth_of_a_millimetre():
     assert all(c.lens is None for c in rig.cameras)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k1", [0.0, -0.1])
 def test_discs_give_back_the_cameras(k1):
     cameras, control = simulated(k1)

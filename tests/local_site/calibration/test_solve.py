@@ -36,6 +36,7 @@ def worst_mm(rig, cameras, points=INSIDE):
     return 1e3 * max(distances)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [(0.0, 0.0), (-0.1, 0.0), (-0.1, 0.03), (-0.3, 0.1), (0.15, 0.0)])
 @pytest.mark.parametrize("aspect", [1.0, 1.02])
 def test_exact_points_are_given_back_to_a_twentieth_of_a_millimetre(k, aspect):

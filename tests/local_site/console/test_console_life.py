@@ -39,6 +39,7 @@ def frozen_page(port: int) -> socket.socket:
     return page
 
 
+@pytest.mark.slow
 def test_it_ends_in_time_with_a_frozen_page_and_a_stop_that_nobody_answers():
     port, *nobody = free_ports(4)
     links = [f"links.{name}=tcp/127.0.0.1:{n}" for name, n in zip(("control", "video", "local"), nobody, strict=True)]

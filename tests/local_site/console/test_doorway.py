@@ -79,6 +79,7 @@ def _is_open(connection: socket.socket) -> bool:
     return False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("said", [b"", b"GET / HTTP/1.1\r\nHost: 127", b"GET / HTTP/1.1\r\nHost: x\r\n\r\nGET"])
 def test_the_page_answers_beside_half_open_requests_and_few_of_them_stay(said: bytes) -> None:
     with served(ServeConfig(port=0)) as address, ExitStack() as stack:
@@ -87,6 +88,7 @@ def test_the_page_answers_beside_half_open_requests_and_few_of_them_stay(said: b
         _few_stay(connections)
 
 
+@pytest.mark.slow
 def test_the_page_answers_beside_half_open_handshakes(tmp_path: Path) -> None:
     create(tmp_path, CertificateOrder("lab", (), 30), datetime.now(UTC))
     pair = tmp_path / "lab/remote"

@@ -52,12 +52,14 @@ def ran(package):
     return int(done.stdout)
 
 
+@pytest.mark.slow
 def test_a_constant_changed_in_another_file_is_noticed(package):
     assert ran(package) == 2
     (package / "inner.py").write_text(INNER.format(size=7))
     assert ran(package) == 14
 
 
+@pytest.mark.slow
 def test_unchanged_sources_are_not_compiled_again(package):
     ran(package)
     kept = {path: path.stat().st_mtime_ns for path in package.rglob("*.nb?")}

@@ -44,6 +44,7 @@ def test_a_path_with_numbers_that_are_not_finite_is_refused():
         )
 
 
+@pytest.mark.slow
 @given(TRIPLE, TRIPLE)
 def test_an_approach_is_slow_straight_and_ends_where_the_path_begins(way, turn):
     begin, end = np.eye(4), transform(rotation_from_vector(np.array(turn)), np.array(way))

@@ -37,6 +37,7 @@ def statuses(tracker: Tracker, pictures: Iterator[Sequence[Image]]) -> list[Trac
     return found
 
 
+@pytest.mark.slow
 def test_a_profile_outlasts_the_run_that_learned_it(tmp_path: Path) -> None:
     operator, warnings = SimulatedOperator(SIMULATION), list[str]()
     first = tracker_with(None)

@@ -54,6 +54,7 @@ def test_nothing_is_left_to_compile():
     assert compiled(silhouette) == before
 
 
+@pytest.mark.slow
 def test_nothing_is_left_to_compile_in_a_room():
     tracking = TrackingConfig(method="learned")
     try:

@@ -43,6 +43,7 @@ def differing(one, other):
     return np.count_nonzero(np.abs(one - other).max(axis=3) > 12, axis=(1, 2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_each_is_seen_in_both_views(name):
     assert differing(pictures(), pictures(name)).min() > 75

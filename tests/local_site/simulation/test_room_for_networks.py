@@ -41,6 +41,7 @@ def hand_of(follower, image):
     return None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("skin", ["light", "medium", "dark"])
 @pytest.mark.parametrize(("motion", "t_s"), [("pick_and_place", 5.0), ("figure_of_eight", 4.0), ("rotate_y", 4.5)])
 def test_the_hand_is_found_where_it_is(followers, skin, motion, t_s):

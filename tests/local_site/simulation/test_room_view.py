@@ -57,6 +57,7 @@ def dark_arm(asked, t_s, view=0):
     return sharp(in_the_dark(asked)).render(t_s, (view,))[0] > 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(640, 480, 800.0), (1280, 720, 1600.0), (1280, 960, 1600.0)])
 def test_pictures_are_in_colour_at_every_size(size):
     width, height, focal = size
@@ -65,6 +66,7 @@ def test_pictures_are_in_colour_at_every_size(size):
         assert image.dtype == np.uint8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k1", [0.0, -0.1])
 @pytest.mark.parametrize("t_s", [0.0, 9.3])
 @pytest.mark.parametrize("view", [0, 1])
@@ -80,6 +82,7 @@ def test_skin_covers_the_same_pixels_as_in_the_dark(view, t_s, k1):
     assert columns.min(initial=end) > end - 60
 
 
+@pytest.mark.slow
 def test_skin_has_the_tone_that_was_asked_for_and_shading():
     means = []
     for skin in ("light", "medium", "dark"):
@@ -93,6 +96,7 @@ def test_skin_has_the_tone_that_was_asked_for_and_shading():
     assert means[0] > means[1] + 20 > means[2] + 40
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_room_and_another_another():
     first, again, other = (SimulatedOperator(config(picture=PictureConfig(), seed=seed)) for seed in (1, 1, 2))
     for t_s in (0.0, 3.3):
@@ -101,6 +105,7 @@ def test_the_same_seed_gives_the_same_room_and_another_another():
         assert np.abs(pictures[0] - pictures[2]).mean() > 5
 
 
+@pytest.mark.slow
 def test_noise_has_the_asked_strength_and_no_bias():
     clean = sharp(config()).render(0.0)[0].astype(float)
     noisy = SimulatedOperator(config(picture=PictureConfig(blur_sigma_px=0.0, noise_sigma=3.0))).render(0.0)[0]
@@ -109,6 +114,7 @@ def test_noise_has_the_asked_strength_and_no_bias():
     assert abs((noisy - clean)[within].mean()) < 0.05
 
 
+@pytest.mark.slow
 def test_the_operator_steps_in_after_the_empty_room():
     asked = config(msgspec.structs.replace(OFFICE, empty_s=1.0), motion="hold")
     assert not skin_seen(asked, 0.0, filmed_s=0.9).any()
@@ -127,12 +133,14 @@ def test_the_points_are_those_of_an_operator_who_has_come_in():
     assert all(np.array_equal(point, getattr(there, name)) for name, point in operator.points(0.0).items())
 
 
+@pytest.mark.slow
 def test_a_long_sleeve_leaves_only_the_hand():
     bare, covered = (skin_seen(config(msgspec.structs.replace(OFFICE, sleeve=s)), 0.0) for s in ("short", "long"))
     assert not np.any(covered & ~bare)
     assert 0.1 < np.count_nonzero(covered) / np.count_nonzero(bare) < 0.5
 
 
+@pytest.mark.slow
 def test_a_watch_darkens_the_wrist_only():
     pictures = [
         sharp(config(msgspec.structs.replace(OFFICE, watch=watch))).render(0.0)[0].astype(int)

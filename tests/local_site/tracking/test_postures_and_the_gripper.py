@@ -51,6 +51,7 @@ def landmarks_of(motion, shown, k):
     return np.vstack([crease, thumb, *fingers])
 
 
+@pytest.mark.slow
 def test_by_outlines_only_a_hand_with_its_fingers_apart_toggles(seen):
     _, sequence, expected = seen
     estimates = silhouette(sequence)
@@ -58,6 +59,7 @@ def test_by_outlines_only_a_hand_with_its_fingers_apart_toggles(seen):
     assert toggles(estimates) == expected
 
 
+@pytest.mark.slow
 def test_by_landmarks_only_a_hand_with_its_fingers_apart_toggles(seen, monkeypatch):
     shown, sequence, expected = seen
     assert toggles(learned(shown, sequence, monkeypatch)) == expected

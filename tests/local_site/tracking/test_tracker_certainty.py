@@ -40,6 +40,7 @@ def bodies():
     return [normalised(body, motion) for body in (THIN, STRONG) for motion in (MOVING, TURNING)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", POINTS)
 def test_errors_are_as_large_as_is_said(name, bodies):
     low, high = HONEST

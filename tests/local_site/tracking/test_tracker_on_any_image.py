@@ -94,6 +94,7 @@ def spoilt(picture, kind, random):
     return colours if kind == "colours" else np.asfortranarray(colours)[:, ::-1]
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None, derandomize=True)
 @given(
     st.sampled_from(["huge noise", "negative", "cut", "torn", "scaled", "colours", "strided"]),

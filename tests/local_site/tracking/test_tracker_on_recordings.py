@@ -61,6 +61,7 @@ def track(request, tmp_path_factory):
     return request.param, Track(lines[SETTLED:], truth[SETTLED:], counted, summary.pairs)
 
 
+@pytest.mark.slow
 def test_every_pair_is_answered(track):
     _, at = track
     everything = SETTLED + len(at.truth)

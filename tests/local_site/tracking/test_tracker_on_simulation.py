@@ -37,6 +37,7 @@ def tracker_of(sequence):
     return SilhouetteTracker(rig_of(sequence.projections))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("body", [THIN, BodyConfig(), STRONG], ids=["thin", "average", "strong"])
 def test_bodies_of_any_build_are_tracked(body):
     sequence = render_sequence(MOVING, 40, body=body)

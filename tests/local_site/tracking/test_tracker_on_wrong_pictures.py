@@ -43,6 +43,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wrong", list(WRONG))
 def test_wrong_pictures_are_never_tracked(sequence, wrong):
     estimates = sequence.tracked(SilhouetteTracker(rig_of(sequence.projections, 3.0)), WRONG[wrong])

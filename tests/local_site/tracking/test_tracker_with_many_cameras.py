@@ -72,6 +72,7 @@ def test_any_two_of_them_are_a_pair(surrounded, pair):
         assert mean_mm(estimates, surrounded, name) < PAIR_MM[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dark", [0, 1, 2])
 @pytest.mark.parametrize("since", [0, 13])
 def test_one_of_three_may_go_dark(surrounded, dark, since):

@@ -35,11 +35,11 @@ from remote_site.drivers.registry import DriverHost
 from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.drivers.supervisor import reading_check, watched_driver
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.runtime import driver_process as process
 from remote_site.safety.stopping import stopping
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import SimulatedCell, run_cell
+from tests.remote_site.drivers.leading_control import LeadingControl
 from tests.remote_site.remote_loop import arm
 
 STARVED_NS = 2 * NS_PER_S  # that is how long other tests may keep the simulated robot from its processor
@@ -116,21 +116,16 @@ class Rig:
 def control(memory):
     """Activate, then go to a far goal and back until killed: a busy machine may hide one way from the watcher."""
     ask_for_real_time(50)
-    link, follower = DriverLink(memory, LIMITS, CLOCK), JerkLimitedTracker(LIMITS, DT)
-    start = CONFIG.robot.start
+    link, start = DriverLink(memory, LIMITS, CLOCK), CONFIG.robot.start
     link.activate(start)
     while (fault := link.read().fault) is not None:
         time.sleep(0.01)
         if fault.code is FaultCode.REFUSED:
             link.activate(start)
-    sent, goal, other = JointMotion.at_rest(start), start + np.array([2.4, 0, 0, 0, 0, 0]), start
-    for seq in range(1, 100_000):
-        link.read()
-        follower.reset(sent)
-        motion = follower.track(JointMotion.at_rest(goal))
-        command = JointCommand(seq, CLOCK.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
-        sent = link.write(command).motion
-        if np.abs(sent.q - goal).max() < 0.001:
+    leading, goal, other = LeadingControl(link, LIMITS, CLOCK, start), start + np.array([2.4, 0, 0, 0, 0, 0]), start
+    for _ in range(100_000):
+        leading.order(goal)
+        if np.abs(leading.sent.q - goal).max() < 0.001:
             goal, other = other, goal
         time.sleep(DT)
 
@@ -188,6 +183,7 @@ def test_control_killed_in_full_motion_ends_in_the_verified_stop(make_rig, comma
     assert rig.watch(lambda _: True).sent.q[0] == pytest.approx(report.sent.q[0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig, commander):
     terminal = Terminal.create()
     robot = Children("remote")

@@ -101,6 +101,7 @@ def killed(factory, monkeypatch, accelerating, most_s):
     return pytest.fail(f"this machine kept control waiting every time; stops took {took_s}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("accelerating", "seconds", "travel_m"), PROMISED, ids=["coasting", "accelerating"])
 @pytest.mark.parametrize(
     ("factory", "lag_s"),

@@ -85,6 +85,7 @@ def test_the_driver_is_set_up_with_it_and_may_measure_what_the_joints_can():
     assert setup.joint_range.velocity == pytest.approx(MODEL.velocity)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("config", [A465, OFFSET_WRIST, SEVEN_AXES], ids=["a465", "offset wrist", "seven axes"])
 def test_no_command_exceeds_it_whichever_way_it_was_made(config):
     _, whole = load_arm(config.robot)

@@ -11,7 +11,8 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
-from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
+from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.motion.tool_sample import ToolSample
 from tests.remote_site.arms_followed import SAMPLE_TICKS, smooth
 from tests.remote_site.remote_loop import TICK_NS, arm
 
@@ -104,6 +105,7 @@ def assert_kept_to(way: Way, tools: Array, most_m: float = MOST_M) -> None:
     assert np.linalg.norm(tools[-1]) < REST_M
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.3, 0.5, 0.66, 0.8, 1.0])
 @pytest.mark.parametrize(
     ("start_deg", "turn"),
@@ -123,6 +125,7 @@ def test_a_tool_that_turns_through_the_straight_wrist_stays_in_its_place(
     assert_kept_to(way, tool_after(way, start_deg, always(speed), always(speed)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.3, 0.66])
 @pytest.mark.parametrize("seconds", [0.6, 1.0])
 @pytest.mark.parametrize(
@@ -135,6 +138,7 @@ def test_a_tool_that_is_carried_through_the_straight_wrist_keeps_to_its_line(
     assert_kept_to(way, tool_after(way, BENT, always(speed), always(speed)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", [0.3, 0.5, 0.8])
 @pytest.mark.parametrize("seed", range(3))
 def test_random_ways_about_the_straight_wrist_are_kept_to(seed: int, speed: float) -> None:
@@ -142,6 +146,7 @@ def test_random_ways_about_the_straight_wrist_are_kept_to(seed: int, speed: floa
     assert_kept_to(way, tool_after(way, ROLLED, always(speed), always(speed)), WILDEST_M)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slowed", [0.3, 0.6])
 @pytest.mark.parametrize("start_deg", [STRAIGHT, BENT, ROLLED])
 def test_an_arm_that_is_slowed_under_way_keeps_to_its_path(start_deg: tuple[float, ...], slowed: float) -> None:

@@ -81,6 +81,7 @@ def test_a_slow_hand_is_followed_on_its_line_out_to_the_stretched_elbow(short_of
     assert math.dist(followed.tools[-1, :3, 3], followed.start[:3, 3]) < 0.0005
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("short_of_m", [0.0002, 0.003, 0.03])
 @pytest.mark.parametrize("seconds", [0.4, 0.7])
 def test_a_hand_too_fast_for_the_joints_is_followed_late_on_its_line(seconds: float, short_of_m: float) -> None:
@@ -92,6 +93,7 @@ def test_a_hand_too_fast_for_the_joints_is_followed_late_on_its_line(seconds: fl
     assert_within_limits(followed.loop)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_quick_ways_near_full_reach_are_followed_late_on_their_lines(seed: int) -> None:
     places = [np.zeros(3), *quick_places(seed), np.zeros(3)]

@@ -44,6 +44,7 @@ def driven() -> Iterator[list[tuple[Cycle, DrivenPipeline, CycleOutcome]]]:
     return seen
 
 
+@pytest.mark.slow
 def test_inputs_from_their_bytes_give_the_same_commands_bit_for_bit(driven):
     states = {command.snapshot.state for (_, command), _, _ in driven}
     assert states >= {SessionState.ENGAGED, SessionState.DISENGAGED, SessionState.FAULT}

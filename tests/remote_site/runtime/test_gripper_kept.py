@@ -32,6 +32,7 @@ def test_a_start_of_the_remote_site_does_not_open_the_gripper(make: Make) -> Non
     assert robot.opening_m() == pytest.approx(held_m, abs=1e-4)
 
 
+@pytest.mark.slow
 @MAKES
 def test_an_engagement_does_not_move_the_gripper_whatever_was_counted_before(make: Make) -> None:
     robot = make()
@@ -45,6 +46,7 @@ def test_an_engagement_does_not_move_the_gripper_whatever_was_counted_before(mak
     assert site.snapshot.gripper_toggles == 0
 
 
+@pytest.mark.slow
 @MAKES
 def test_a_restart_a_stop_and_a_reset_keep_what_a_toggle_has_done(make: Make) -> None:
     robot = make()
@@ -96,6 +98,7 @@ def test_a_load_that_no_measurement_shows_is_gripped_again_by_the_first_toggle_a
     assert robot.opening_m() > OBJECT_M
 
 
+@pytest.mark.slow
 @MAKES
 def test_another_operator_finds_the_gripper_as_it_was_left(make: Make) -> None:
     robot = make()
@@ -119,6 +122,7 @@ def test_a_start_commands_nothing_of_the_gripper() -> None:
     assert site.driven.report.gripper.commanded is KEEP
 
 
+@pytest.mark.slow
 @MAKES
 def test_the_second_of_two_quick_toggles_undoes_the_first_while_the_fingers_still_move(make: Make) -> None:
     robot = make()

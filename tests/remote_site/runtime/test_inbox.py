@@ -48,6 +48,7 @@ def flood(link: Link, key: str) -> None:
     time.sleep(ARRIVES_S)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stop", "flooded", "asker"),
     [

@@ -58,6 +58,7 @@ def served(pki: Path, request: pytest.FixtureRequest) -> Iterator[Served]:
         yield Served(where, RequestServer(link, golden.DESCRIPTION, leases, MonotonicClock(), print, OPERATORS))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("who", ["operator.anna", "maintenance"])
 @pytest.mark.parametrize("asked", ASKED, ids=["clock", "description"])
 def test_an_operators_flood_displaces_nobody_elses_question(

@@ -66,6 +66,7 @@ class Misread:
             self.targets.append(command.snapshot.target[:3, 3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", JOINTS)
 @pytest.mark.parametrize("error", [step(1.0, 8), step(-0.5, 80), step(0.2, 400), ramp(1.0, 400)])
 def test_while_the_hand_rests_control_moves_nothing_whatever_is_read(joint: int, error: Error) -> None:
@@ -84,6 +85,7 @@ def well_read() -> Misread:
     return Misread(0, step(0.0, 0.0), to_and_fro)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", [0, 1, 2])
 @pytest.mark.parametrize("error", [step(1.0, 8), step(-1.0, 80), step(0.5, 160), ramp(-1.0, 160), ramp(0.5, 160)])
 def test_while_the_hand_moves_the_tool_stays_on_its_way_and_no_farther_along_it(joint: int, error: Error) -> None:
@@ -126,6 +128,7 @@ class Watched:
         return None if fault is None else fault.code
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", JOINTS)
 @pytest.mark.parametrize(("rad", "lasting_ms"), [(1.0, 8), (-0.2, 500)])
 def test_a_jump_ends_the_motion_in_the_turn_that_reads_it(joint: int, lasting_ms: float, rad: float) -> None:
@@ -136,6 +139,7 @@ def test_a_jump_ends_the_motion_in_the_turn_that_reads_it(joint: int, lasting_ms
     assert watched.moved_m < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", [0, 4])
 @pytest.mark.parametrize(
     ("error", "code"),
@@ -164,6 +168,7 @@ def well_watched() -> Watched:
     return Watched(0, step(0.0, 0.0), 0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("joint", [0, 1, 2])
 @pytest.mark.parametrize("error", [step(1.0, 8), step(0.06, 80), hump(0.3, 180), hump(-0.3, 180), ramp(1.0, 500)])
 def test_while_the_hand_moves_the_tool_does_too_or_less(joint: int, error: Error) -> None:

@@ -168,6 +168,7 @@ def wandering(loop, legs, seed, reach):
     return np.array(nearest)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 8])
 def test_whatever_the_hand_does_nothing_comes_nearer_than_the_margin(seed):
     loop = RemoteLoop(RemoteConfig(safety=SafetyConfig(**WIDE)))

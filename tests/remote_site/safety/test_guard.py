@@ -167,6 +167,7 @@ motions = st.tuples(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True)
 @given(motions)
 def test_the_stop_always_passes_and_ends_in_time(values):

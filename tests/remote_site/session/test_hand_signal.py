@@ -5,7 +5,7 @@ import pytest
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.reasons import Code, reason
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
+from remote_site.session.age_limit import AgeLimitChoice
 from remote_site.session.hand_signal import AGAIN_FRAMES, HandSignal
 from remote_site.session.samples import Rejected
 from tests.remote_site.session.session_rig import JUMPS, LOST, NO_OFFSET, OLD_OFFSET, PERIOD, good
@@ -22,7 +22,7 @@ OLD = Rejected(reason(Code.OLD, seq=3, newest=4))
 def signal(count=3):
     """A signal whose last of `count` good samples was born at `BORN`."""
     safety = SafetyConfig(t_soft_ms=100.0, t_latch_ms=500.0)
-    hand = HandSignal(safety, AgeLimit(safety), FRAMES)
+    hand = HandSignal(safety, AgeLimitChoice(safety).limit, FRAMES)
     for k in reversed(range(count)):
         hand.take(good(BORN - k * SOFT))
     return hand

@@ -394,6 +394,7 @@ MUTATIONS += [(Mutation(o, f, text, instead), body) for o, f, text, instead, bod
 IDS = [f"{m.function}: {m.check} -> {m.instead}" for m, _ in MUTATIONS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mutation", "body"), MUTATIONS, ids=IDS)
 def test_no_check_before_the_arm_can_be_taken_away(mutation, body, monkeypatch):
     body()

@@ -87,6 +87,7 @@ def moving(rig):
     writer.join(5)
 
 
+@pytest.mark.slow
 def test_the_arm_stops_within_limits_when_its_commander_is_killed(moving):
     rig, writer = moving
     os.kill(writer.pid, signal.SIGKILL)
@@ -102,6 +103,7 @@ def test_the_arm_stops_within_limits_when_its_commander_is_killed(moving):
     assert not rig.log[-1]["active"]
 
 
+@pytest.mark.slow
 def test_a_commander_that_comes_back_does_not_move_the_arm_unasked(moving):
     rig, writer = moving
     os.kill(writer.pid, signal.SIGKILL)

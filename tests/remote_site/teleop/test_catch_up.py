@@ -51,6 +51,7 @@ def cut(seconds: float) -> FarLink:
     return FarLink(20, cuts=((CUT_S, CUT_S + seconds),))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("link", [cut(0.1), cut(0.2), cut(0.3), FarLink(20, longer=(CUT_S, 120.0))], ids=str)
 @pytest.mark.parametrize("speed_mm_s", [20, 100])
 def test_after_a_hold_the_tool_goes_at_most_50_mm_a_second_faster_than_the_hand(link: FarLink, speed_mm_s: int) -> None:

@@ -49,6 +49,7 @@ def test_with_a_fixed_limit_of_100_ms_the_arm_hardly_follows_over_such_a_link() 
     assert run.states.count(SessionState.ENGAGED) * 0.004 < SECONDS / 2
 
 
+@pytest.mark.slow
 def test_a_delay_that_jumps_from_20_to_120_ms_costs_one_hold_and_the_arm_follows_within_2_s() -> None:
     run = engaged_over(FarLink(20, longer=(8.0, 120.0)), SECONDS)
     assert run.holds == 1
@@ -59,6 +60,7 @@ def test_a_delay_that_jumps_from_20_to_120_ms_costs_one_hold_and_the_arm_follows
     assert_within_limits(run.loop)
 
 
+@pytest.mark.slow
 def test_a_cut_of_300_ms_holds_the_arm_which_follows_within_1_s() -> None:
     run = engaged_over(FarLink(40, jitter=0.2, cuts=((10.0, 10.3),)), SECONDS)
     assert run.holds == 1
@@ -66,6 +68,7 @@ def test_a_cut_of_300_ms_holds_the_arm_which_follows_within_1_s() -> None:
     assert 10.3 < resumed_s < 11.3
 
 
+@pytest.mark.slow
 def test_no_joint_is_ever_faster_than_the_age_limit_in_force_allows() -> None:
     def fast(t_s: float) -> Point:
         return circle(t_s, radius_m=0.09, hz=0.7)

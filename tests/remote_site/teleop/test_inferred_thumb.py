@@ -24,6 +24,7 @@ def hidden(found):
     return [one for one in found if one.hidden]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", ["x", "z"])
 def test_over_a_minute_of_turning_with_the_thumb_hidden_a_third_of_the_time_no_drift_is_left(axis):
     found = followed(f"rotate_{axis}", 60.0, seed=1)
@@ -35,6 +36,7 @@ def test_over_a_minute_of_turning_with_the_thumb_hidden_a_third_of_the_time_no_d
     assert max(one.tool_deg_s for one in hidden(turning)) <= INFERRED_DEG_S + OF_FLOAT
 
 
+@pytest.mark.slow
 def test_where_an_inferred_thumb_turns_nothing_and_the_reference_is_taken_anew_the_tool_drifts(monkeypatch):
     """So the operator who turns the hand is one with whom drift would show."""
     seen_only = lambda sample: None if sample.thumb_inferred else shown_orientation(sample)  # noqa: E731
@@ -43,6 +45,7 @@ def test_where_an_inferred_thumb_turns_nothing_and_the_reference_is_taken_anew_t
     assert followed("rotate_x", 60.0, seed=1)[-1].error_deg > 5.0
 
 
+@pytest.mark.slow
 def test_a_thumb_that_is_inferred_all_the_time_still_turns_the_tool():
     off = np.array([0.004, -0.004, 0.004])
     found = followed("rotate_x", 12.0, 1, lambda e: replace(e, thumb=e.thumb + off, thumb_inferred=True))
@@ -50,6 +53,7 @@ def test_a_thumb_that_is_inferred_all_the_time_still_turns_the_tool():
     assert max(one.tool_deg_s for one in found) <= INFERRED_DEG_S + OF_FLOAT
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sigma_m", [0.5, 10.0, None])
 def test_an_inferred_thumb_that_is_hardly_known_or_nobody_knows_how_well_leaves_the_tool_as_it_is(sigma_m):
     known = SEEN | {"thumb": sigma_m**2 * np.eye(3)} if sigma_m is not None else {}
@@ -60,6 +64,7 @@ def test_an_inferred_thumb_that_is_hardly_known_or_nobody_knows_how_well_leaves_
     assert max(one.tool_deg_s for one in followed("rotate_z", 4.0, 1, unsure)) == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inferred", [False, True])
 def test_a_thumb_on_the_wrong_side_never_swings_the_tool_and_leaves_no_drift(inferred):
     """Index and thumb are taken for each other, again and again: half a turn of the hand's frame."""

@@ -10,7 +10,8 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import BranchConfig, RobotConfig, SolverConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, ToolSample, choose_target_tracker
+from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, choose_target_tracker
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code
 from remote_site.teleop.config import prediction
 from tests.remote_site.arms_followed import (
@@ -42,6 +43,7 @@ def test_the_tool_follows_the_hand_within_2_mm(config, motion, seconds):
     assert_within_limits(followed.loop)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("config", [A465, OFFSET_WRIST, SEVEN_AXES], ids=["a465", "offset wrist", "seven axes"])
 def test_with_the_default_gains_the_tool_follows_within_1_mm_on_the_average(config):
     default = msgspec.structs.replace(config, control=ControlConfig(solver=config.control.solver))
@@ -96,6 +98,7 @@ def test_an_elbow_that_is_not_seen_leaves_the_free_motion_to_the_posture():
     assert np.abs(followed.loop.sent.q - followed.loop.config.robot.start).max() < 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("config", [OFFSET_WRIST, SEVEN_AXES], ids=["offset wrist", "seven axes"])
 def test_a_target_3_m_away_is_leashed_without_thrash_and_the_way_back_is_open(config):
     def out_and_back(t):

@@ -153,6 +153,7 @@ def test_a_target_out_of_reach_saturates_without_thrash_and_the_way_back_is_open
     assert_within_limits(loop)
 
 
+@pytest.mark.slow
 def test_the_tool_never_rests_outside_the_workspace():
     loop = engaged_loop()
 
@@ -202,6 +203,7 @@ events = st.lists(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(events)
 def test_no_sequence_of_events_breaks_the_invariant(sequence):

@@ -182,6 +182,7 @@ def test_what_is_too_far_is_not_made_up_although_the_hand_went_there_partly_befo
     assert loop.snapshot.engagement.shift_deg == pytest.approx(degrees, abs=1)
 
 
+@pytest.mark.slow
 def test_over_several_short_cuts_of_a_moving_hand_the_reference_stays() -> None:
     def motion(t_ns: int) -> Point:
         return (0.03 * math.sin(2 * math.pi * 0.25 * t_ns / NS_PER_S), 0.0, 0.3)

@@ -64,6 +64,7 @@ def not_nice(monkeypatch):
     monkeypatch.setattr(process, "be_nice", lambda _: None)
 
 
+@pytest.mark.slow
 def test_four_simulated_views_are_live_until_the_cell_dies():
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     run = subprocess.run(
@@ -294,6 +295,7 @@ def test_the_adaptation_is_told_for_how_long_this_process_has_waited_for_its_pro
     assert waits == [0.0, 90.0, 90.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("lease", "operator"), [(40, "anna"), (41, "ben")])
 def test_who_merely_watches_over_a_narrow_link_takes_nothing_from_the_operator(monkeypatch, lease, operator):
     monkeypatch.setattr(sources, "open_camera", lambda _source, name, *_: Endless(name, None))

@@ -1,4 +1,4 @@
-"""What a live trial came to, and whether the machine kept up with it, from what was recorded; pure."""
+"""Pace of a live trial: its outcome, and whether the machine kept up with it, from what was recorded; pure."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ LOST_TIME = "simulated cell lost time"
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """Whether the machine kept up in one trial.
+    """The pace of the machine in one trial: whether it kept up.
 
     Of control's `periods`, `missed` were. `cell_late` is how often the simulated cell gave time up, `hand_late` how
     often the operator's hand stood still because its process came late. Hand samples came `hands_per_s`, and `lost`
@@ -51,7 +51,7 @@ class LiveResult:
 
 
 def live_result(notes: SittingNotes, judgement: TrialJudgement, record: Record, events: Sequence[str]) -> LiveResult:
-    """What was recorded of a trial, between its begin and its end; `events` are the processes' warnings."""
+    """Sum up what was recorded of a trial, from its begin to its end; `events` are the processes' warnings."""
     states = [state for state in record.states if notes.start_ns <= state.t_ns <= notes.end_ns]
     hands = [hand for hand in record.hands if notes.start_ns <= hand.capture_ns <= notes.end_ns]
     trial = TrialResult(

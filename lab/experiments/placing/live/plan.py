@@ -1,4 +1,4 @@
-"""What each process of a live trial is started with: the same cell, tracker and operator as in lockstep; pure."""
+"""Plan of a live trial's processes: the same cell, tracker and operator as in lockstep; pure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -13,6 +13,7 @@ from tests.farhand.calibration.latency.shown_screen import REFRESH_MS, START_NS,
 PATTERN = pattern_of(shown())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "camera",
     [

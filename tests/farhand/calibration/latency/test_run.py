@@ -148,6 +148,7 @@ def test_the_page_reports_once_and_only_what_is_a_report(page):
     assert page.wait(0.0) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ["/", "/other/", "/token/../", "/token/x"])
 def test_nobody_else_finds_the_page(page, path):
     origin = page.url.removesuffix("/token/")

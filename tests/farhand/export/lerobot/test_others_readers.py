@@ -37,6 +37,7 @@ def run(folder, *command):
     return ended.stdout + ended.stderr
 
 
+@pytest.mark.slow
 def test_lerobot_doctor_passes_every_check(dataset, tmp_path):
     output = run(tmp_path, "lerobot-doctor", "check", dataset, "--verbose")
     assert output.count("[PASS]") == 11, output

@@ -45,6 +45,7 @@ def overlaps(found: FoundArm, arm: DrawnArm, rooms: Sequence[Image]) -> list[flo
     return result
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("skin", [(150.0, 180.0, 225.0), SKIN, (45.0, 65.0, 100.0)])
 def test_the_whole_bare_arm_is_found_in_every_tone(skin: tuple[float, float, float]) -> None:
     arm, rooms = DrawnArm(skin=skin), (shelf_room(1), shelf_room(2))

@@ -1,6 +1,7 @@
 """The gripper's signal: the open hand of the simulated operator is seen as open, and the closed one as closed."""
 
 import numpy as np
+import pytest
 
 from local_site.simulation.config import MotionConfig
 from tests.local_site.tracking.learned.simulated_landmarks import shown_tracker, simulated_landmarks
@@ -11,6 +12,7 @@ PAIRS = 90  # the hand is opened once
 AGREED = 0.9
 
 
+@pytest.mark.slow
 def test_one_opening_is_seen_once(monkeypatch):
     sequence = render_sequence(TOGGLES, PAIRS)
     shown = shown_tracker(monkeypatch, sequence.projections)

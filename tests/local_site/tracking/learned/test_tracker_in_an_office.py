@@ -60,6 +60,7 @@ def test_points_are_as_sure_as_is_said(carried, name):
     assert np.mean(carried.errors_mm(name) < WITHIN_SIGMAS * np.array(sigmas)) >= SURE_SHARE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("disturbances", [(), EVERYTHING], ids=["nothing else", "everything else"])
 def test_a_room_without_the_operator_is_never_tracked(make_tracker, disturbances):
     room = RoomConfig(scene="office", empty_s=60.0, disturbances=disturbances)
@@ -68,6 +69,7 @@ def test_a_room_without_the_operator_is_never_tracked(make_tracker, disturbances
     assert all(estimate.reason for estimate in seen.estimates)
 
 
+@pytest.mark.slow
 def test_a_left_arm_is_never_tracked(make_tracker, carrying):
     tracker = make_tracker(rig_of(carrying.projections))
     estimates = carrying.tracked(tracker, mirrored)
@@ -75,11 +77,13 @@ def test_a_left_arm_is_never_tracked(make_tracker, carrying):
     assert TrackingReason.OTHER_SIDE in {estimate.reason for estimate in estimates}
 
 
+@pytest.mark.slow
 def test_exchanged_pictures_are_never_tracked(make_tracker, carrying):
     estimates = carrying.tracked(make_tracker(rig_of(carrying.projections)), lambda pictures: pictures[::-1])
     assert {estimate.status for estimate in estimates} <= UNTRACKED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", [black, lambda pictures: [pictures[0], *black(pictures[1:])]], ids=["both", "one"])
 def test_covered_cameras_are_lost_and_the_arm_is_found_again(make_tracker, carrying, change):
     tracker = make_tracker(rig_of(carrying.projections))
@@ -95,6 +99,7 @@ def test_covered_cameras_are_lost_and_the_arm_is_found_again(make_tracker, carry
     assert 1e3 * np.linalg.norm(back[-1].wrist - carrying.truths[-1].wrist) < LARGEST_MM["wrist"]
 
 
+@pytest.mark.slow
 def test_dropped_frames_do_not_matter(make_tracker, carrying):
     tracker = make_tracker(rig_of(carrying.projections))
     instants = [*range(KNOWN), *range(KNOWN, len(carrying.times_s), 3)]

@@ -67,6 +67,7 @@ def test_any_picture_gives_a_status(kind, height, width, colour, sees_palms, see
             assert annotate(images[0], estimate, 0).shape == (height, width, 3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("palms", [no_palm, middle_palm])
 @pytest.mark.parametrize(
     "image",

@@ -128,6 +128,7 @@ def test_a_second_hand_is_never_jumped_to(shown, moving):
         assert np.linalg.norm(estimate.wrist - moving.truths[k].wrist) < 0.02
 
 
+@pytest.mark.slow
 def test_a_hand_without_an_arm_does_not_keep_the_operator_out(shown, moving):
     poster = simulated_landmarks(moving, 0) + ELSEWHERE
     for k in range(10):
@@ -291,6 +292,7 @@ def test_an_operator_who_was_known_before_is_tracked_after_as_many_pairs(monkeyp
     assert all(estimate.status is TrackingStatus.TRACKED for estimate in estimates[LEARNING:])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("scale", "forearm_m"), [(1.0, 0.24), (1.0, 0.35), (1.4, 0.27)])
 def test_of_a_profile_of_another_body_the_habits_are_forgotten_too(monkeypatch, moving, scale, forearm_m):
     habits = Habits().own

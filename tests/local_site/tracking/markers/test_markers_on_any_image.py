@@ -55,6 +55,7 @@ def test_any_picture_gives_a_status(kind, height, width, colour, seed, views):
         assert annotate(images[0], estimate, 0).shape == (height, width, 3)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None, derandomize=True)
 @given(st.integers(0, 999))
 def test_any_lights_after_a_hand_was_learned_give_a_status(seed):

@@ -37,6 +37,7 @@ def followed(motion, seconds, picture=None, step_s=1 / 30):
     return np.array(errors), statuses, (hand.toggles, operator.motion.openings_until(times[-1]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("motion", ["pick_and_place", "rotate_x", "rotate_y", "rotate_z", "figure_of_eight"])
 def test_motions_are_followed_within_half_a_millimetre(motion):
     errors, statuses, _ = followed(motion, 8.0, step_s=0.16)

@@ -32,6 +32,7 @@ def off_mm(estimate, arm):
     return [1e3 * np.linalg.norm(estimate.elbow - arm.elbow), 1e3 * np.linalg.norm(estimate.wrist - arm.wrist)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("setting", "most_mm"), [("live", 1.3), ("accurate", 0.8)])
 def test_a_swinging_arm_is_followed(film, setting, most_mm):
     shown, images = film

@@ -117,6 +117,7 @@ def test_an_arm_is_followed_from_its_silhouette(dark_film):
         assert off_mm(found, arm) < 25.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arm", "config", "dark", "cure"),
     [
@@ -150,6 +151,7 @@ def test_a_start_is_tried_again_at_a_bounded_rate(dark_film):
     assert tracker.track(views(images[0], pause)).status in STARTED
 
 
+@pytest.mark.slow
 def test_after_a_long_loss_the_arm_is_found_anew_elsewhere(dark_film):
     shown, images = dark_film
     elsewhere = posed(-20, 80, (340, 200), 1.2)
@@ -170,6 +172,7 @@ def test_clicks_come_before_the_silhouette(dark_film):
     assert off_mm(tracker.track(views(images[0], 0)), arm) < 1.0
 
 
+@pytest.mark.slow
 def test_bright_things_that_are_no_arm_are_not_started_from():
     for seed in range(9):
         random = np.random.default_rng(seed)

@@ -27,6 +27,7 @@ NAMES = [check.__name__ for check in CHECKS]
 REFLEX = "motion aborted by reflex! [cartesian_reflex]"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("check", CHECKS, ids=NAMES)
 def test_it_conforms(check) -> None:
     lines: list[str] = []

@@ -60,6 +60,7 @@ def followed(hand: Hand, ms: int) -> tuple[PlayedMotion, Array, float]:
     return arm, np.array(sent), off
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("late_ms", "left_out"), [(0.0, 0.0), (1.0, 0.0), (3.0, 0.0), (1.0, 0.1)])
 def test_setpoints_out_of_time_stay_within_the_robots_limits(late_ms: float, left_out: float) -> None:
     arm, sent, off = followed(Hand(late_ms, left_out), 6000)

@@ -63,6 +63,7 @@ def until(driver: Driver, clock: Clock, code: str) -> RobotReading:
     raise AssertionError(f"it says {reading.fault}, not {code!r}")
 
 
+@pytest.mark.slow
 def test_it_connects_moves_stops_and_can_be_activated_again(
     driver: Driver, simulated: tuple[RemoteConfig, Clock]
 ) -> None:

@@ -247,6 +247,7 @@ MUTATIONS = [(Mutation(*check[:4]), check[4]) for check in CHECKS]
 IDS = [f"{m.function}: {m.check.strip()}" for m, _ in MUTATIONS]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mutation", "body"), MUTATIONS, ids=IDS)
 def test_no_check_of_the_supervisor_can_be_taken_away(
     mutation: Mutation, body: Body, monkeypatch: pytest.MonkeyPatch

@@ -59,6 +59,7 @@ def possible(setting):
     return 1 <= setting.quality <= 100 and 0 < setting.scale <= 1 and 0 < setting.fps <= CONFIG.fps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slew", SLEWS)
 @pytest.mark.parametrize("back_and_forth_s", [1e6, 3.0])
 def test_an_operators_clock_that_is_slewed_leaves_the_pictures_going(slew, back_and_forth_s):

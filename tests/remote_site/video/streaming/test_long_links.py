@@ -29,6 +29,7 @@ def waited_ms(run: StreamRun, arrivals: list[Arrival], percentile: float) -> flo
     return float(np.percentile(ages, percentile)) - run.link.delay_ms
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("delay_ms", "mbit_s"), list(itertools.product((0.0, 40.0, 120.0), (2.0, 5.0, 20.0))))
 def test_the_same_rate_carries_the_same_pictures_however_long_the_way(delay_ms: float, mbit_s: float) -> None:
     run = over(delay_ms, mbit_s)

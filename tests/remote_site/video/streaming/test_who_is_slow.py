@@ -46,6 +46,7 @@ class BusyRun(StreamRun):
         return self.adaptation.trouble(self.now_ns)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize("hosts", [{"operator": True}, {"cell": True}, {"operator": True, "cell": True}])
 def test_what_waits_for_a_processor_is_not_the_links_fault_however_long_it_lasts(hosts, seed):
@@ -92,6 +93,7 @@ def test_a_page_that_was_too_slow_gets_all_again_within_five_seconds(paints_fps)
     assert run.said is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mbit_s", [2.0, 5.0, 20.0])
 @pytest.mark.parametrize("narrow_s", [10.0, 11.3, 12.7, 30.0])
 def test_a_link_that_was_narrow_carries_all_again_within_five_seconds(mbit_s, narrow_s):

@@ -141,6 +141,7 @@ def test_speed_is_unknown_at_and_after_a_gap() -> None:
     np.testing.assert_allclose(history.speed("wrist"), [np.nan, 0.5 * FPS, np.nan, np.nan])
 
 
+@pytest.mark.slow
 def test_a_report_replaces_an_earlier_one_and_keeps_what_is_not_its_own(tmp_path: Path) -> None:
     foreign = tmp_path / "worst_of_all.png", tmp_path / "worst_99.png", tmp_path / "notes.txt"
     for path in foreign:

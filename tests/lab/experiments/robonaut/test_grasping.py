@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from lab.experiments.robonaut.grasping.grasping_film import bookshelf, grasping_film
-from lab.experiments.robonaut.grasping.handling import (
+from lab.experiments.robonaut.grasping import (
     FLASK_HALF_M,
     FLASK_IN_PALM,
     GRASPING,
     HANDLING_FRAMES,
     MOVING,
     TABLE_Y,
+    bookshelf,
+    grasping_film,
 )
 from local_site.simulation.hazel import FOREARM_M, PALM_POINT_M, SIZE_PX, UPPER_ARM_M, film_pixel
 from local_site.simulation.textured_arm import Scenery

@@ -25,7 +25,7 @@ def bare():
     return built(dressed=False)
 
 
-def test_the_same_cell_looks_the_same_in_every_process(dressed):
+def test_the_same_cell_looks_the_same_each_time_it_is_built(dressed):
     again = built(dressed=True)
     assert (again.model.tex_data == dressed.model.tex_data).all()
     for one, other in zip(again.surfaces, dressed.surfaces, strict=True):
