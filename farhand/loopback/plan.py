@@ -17,7 +17,7 @@ from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, known_keys, likeliest
 from farhand.loopback.page_port import page_port
 from farhand.loopback.scenario import arm_file, arm_settings, check_scenario, operator_settings, operator_wishes
-from farhand.loopback.site_process import free_ports
+from farhand.loopback.site_process import free_ports, options_of
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
@@ -65,7 +65,7 @@ class SitePlan(Generic[S]):
     def arguments(self) -> list[str]:
         """The same for a command line."""
         file = ["--config", str(self.path)] if self.path is not None else []
-        return [*file, *(part for setting in self.settings for part in ("--set", setting))]
+        return [*file, *options_of(self.settings)]
 
     def gives(self, key: str) -> bool:
         """Return whether the file or a setting gives this key a value."""

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from common.clock import NS_PER_MS, NS_PER_S
+from common.clock import NS_PER_MS
 from common.errors import ConfigError, InterruptionError, ProcessError
 from common.geometry import Array
 from common.link.channels import ChannelSession
@@ -19,13 +19,14 @@ from common.link.transport import open_link
 from common.messages.robot import FOLLOWING, Engagement
 from common.process.service import StopFlag
 from farhand.loopback.display import LiveSummary, print_table, save_camera_views, save_overview
-from farhand.loopback.figures import Expectation, Figures, all_figures, session_events, troubles
+from farhand.loopback.figures import Expectation, Figures, all_figures, session_events
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.recorded import read_run, recording_figures
 from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.rendering import explained
+from farhand.loopback.running_sites import RunningSites
 from farhand.loopback.scenario import operator_views
-from farhand.loopback.site_process import SiteProcess, listens, start_site
+from farhand.loopback.site_process import listens, start_site
 from farhand.loopback.slowness import too_slow
 from farhand.outputs import check_file, check_folder, check_new_file
 from farhand.terminal import aside, tell
@@ -37,7 +38,6 @@ from remote_site.config import RemoteConfig
 
 START_TIMEOUT_S = 90.0  # longer than a site waits for its own processes, which it then names
 ENGAGE_TIMEOUT_S = 60.0  # on a machine that does much else the tracker alone takes a quarter of a minute to start
-SILENT_NS = 2 * NS_PER_S
 SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripper, with room
 SETTLE_TIMEOUT_S = 3.0
 POLL_S = 0.05
@@ -61,54 +61,6 @@ class LoopbackOperator:
     def openings(self, t_ns: int) -> int:
         """Count how often the hand has begun to open by a time."""
         return self.simulated.openings_until(self.beginning.elapsed_s(t_ns))
-
-
-class RunningSites:
-    """The processes of a run and everything received from them."""
-
-    def __init__(self) -> None:
-        self.record = Record()
-        self.events: list[str] = []
-        self._recorder: Recorder | None = None
-        self._sites: list[SiteProcess] = []
-
-    def start(self, name: str, arguments: list[str], runtime: Path) -> SiteProcess:
-        """Start `farhand NAME` with these arguments."""
-        return self.add(start_site(name, arguments, runtime))
-
-    def add(self, site: SiteProcess) -> SiteProcess:
-        """Take a process that is started already."""
-        self._sites.append(site)
-        return site
-
-    def listen(self, recorder: Recorder) -> None:
-        """Keep what this records of the sites."""
-        self._recorder, self.record = recorder, recorder.record
-
-    def check(self) -> None:
-        """ProcessError, with its last error, when a process has ended."""
-        for site in self._sites:
-            if site.exit_code is not None:
-                raise ProcessError(f"the {site.name} process ended (exit code {site.exit_code}): {site.last_error()}")
-
-    def check_silence(self) -> None:
-        """ProcessError when a site has sent nothing for two seconds."""
-        now_ns = time.monotonic_ns()
-        for name, received_ns in (("local", self.record.last_hand_ns), ("remote", self.record.last_state_ns)):
-            if now_ns - received_ns > SILENT_NS:
-                raise ProcessError(f"the {name} site has been silent for 2 s: {self.last_errors()}")
-
-    def last_errors(self) -> str:
-        """Say what is wrong by the states of the last seconds, and the last error or line of each process."""
-        return "; ".join([*troubles(list(self.record.states)), *(f"{s.name}: {s.last_error()}" for s in self._sites)])
-
-    def end(self) -> None:
-        """End the processes, the last one first, and keep their warnings; the links are closed by then."""
-        if self._recorder is not None:
-            self._recorder.join()
-        for site in reversed(self._sites):
-            site.end()
-            self.events += site.events
 
 
 class Loopback:
@@ -150,7 +102,7 @@ class Loopback:
             self._start_remote(runtime, stack)
             views = self._options.save_views
             saving = ["--save-views", str(views.resolve())] if views else []
-            self._sites.start("local", [*self._plan.local.arguments, *saving], runtime)
+            self._sites.add(start_site("local", [*self._plan.local.arguments, *saving], runtime))
             if not self._options.headless:
                 self._start_console(runtime, live)
             self._wait("the arm to be engaged", ENGAGE_TIMEOUT_S, lambda: self._engagement is not None)
@@ -180,12 +132,13 @@ class Loopback:
 
     def _start_recorder(self, file: Path, runtime: Path) -> None:
         """Before the site, so that not even its first control cycle is missed."""
-        recorder = self._sites.start("record", [*self._plan.remote.arguments, "--file", str(file)], runtime)
+        arguments = [*self._plan.remote.arguments, "--file", str(file)]
+        recorder = self._sites.add(start_site("record", arguments, runtime))
         self._wait("the recorder", START_TIMEOUT_S, lambda: any(READY in line for line in list(recorder.lines)))
 
     def _start_remote(self, runtime: Path, stack: ExitStack) -> None:
         remote = self._remote
-        self._sites.start("remote", self._plan.remote.arguments, runtime)
+        self._sites.add(start_site("remote", self._plan.remote.arguments, runtime))
         control = stack.enter_context(open_link(connect=(remote.links.control, self._local.links.listen)))
         video = stack.enter_context(open_link(connect=(remote.links.video,), sessions=[ChannelSession.VIDEO]))
         cameras = tuple(camera.name for camera in remote.video.cameras)
@@ -204,7 +157,7 @@ class Loopback:
 
     def _start_console(self, runtime: Path, live: LiveSummary) -> None:
         port = self._plan.console.load().serve.port
-        self._sites.start("console", self._plan.console.arguments, runtime)
+        self._sites.add(start_site("console", self._plan.console.arguments, runtime))
         self._wait("the operator's page", START_TIMEOUT_S, lambda: listens(port))
         url = f"http://127.0.0.1:{port}/"
         live.print(f"the operator's page: {url}")

@@ -1,1 +1,1 @@
-"""Emulated hosts, links, operators and cameras, between which sites are measured; and a site on stepped time."""
+"""What sites are measured and tested on: their programs, emulated hosts, links, operators; and stepped time."""

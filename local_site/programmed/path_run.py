@@ -6,7 +6,7 @@ from common.clock import NS_PER_S
 from common.geometry import Array, angle_between
 from common.messages.hand import OperatorSettings, TrackingStatus
 from common.messages.requests import MappingDescription
-from common.messages.robot import Engagement, GripperCommand, Pose, RobotState, SessionState
+from common.messages.robot import FOLLOWING, Engagement, GripperCommand, Pose, RobotState
 from local_site.programmed.approach import approach, why_too_far
 from local_site.programmed.led_hand import operator_T_hand, shown_hand, why_not_led
 from local_site.programmed.path_progress import PathProgress, RunOrder
@@ -70,7 +70,7 @@ class PathRun:
         """Move the hand, if the arm follows it; what the run does, in words."""
         engagement, reference, target = state.engagement, state.reference, state.target
         is_ours = state.lease is not None and state.lease.session == self._session and state.readiness.held
-        if engagement is None or not is_ours or state.state in (SessionState.DISENGAGED, SessionState.FAULT):
+        if engagement is None or not is_ours or state.state not in FOLLOWING:
             self._engagement = 0
             return WAITS
         led = reference is not None and reference.session == self._session

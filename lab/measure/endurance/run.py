@@ -124,7 +124,7 @@ def _round(stage: WanStage, watch: "UsageWatch") -> bool:
         engaged = stage.engage(ENGAGES_S)
         until_s = time.monotonic() + ROUND_S
         while time.monotonic() < until_s:
-            stage.check()
+            stage.sites.check()
             watch.look()
             time.sleep(SAMPLE_S)
     stage.disengage()
@@ -147,11 +147,11 @@ class UsageWatch:
         t_s = time.monotonic() - self._began_s
         if t_s < SETTLES_S:
             return
-        for program, main in self._stage.pids.items():
-            for pid in family(main) if program != "page" else ():
+        for process in self._stage.sites.processes:
+            for pid in family(process.pid) if process.name != "page" else ():
                 usage = usage_of(pid, t_s)
                 if usage is not None:
-                    self._usages.setdefault(f"{program}/{name_of(pid)}/{pid}", []).append(usage)
+                    self._usages.setdefault(f"{process.name}/{name_of(pid)}/{pid}", []).append(usage)
 
     def figures(self) -> dict[str, float]:
         """Compute how each process that lasted has grown, and print a line for each."""

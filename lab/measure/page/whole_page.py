@@ -13,7 +13,7 @@ from common.messages.robot import RobotState, SessionState
 from lab.measure.page.ages import Figures, painting
 from lab.measure.page.chromium import Chromium, Tab
 from lab.measure.page.painted_clock import compare
-from lab.measure.page.stand import PageStand, wait
+from lab.measure.page.stand import PageStand
 from lab.stage.processes import child_of, cpu_s, keep_on_core
 
 LATENESS_S = 17.0  # the window over which the control loop takes its lateness percentile
@@ -66,9 +66,9 @@ def stop_figures(stand: PageStand, page: Tab) -> Figures:
     page.evaluate(NOTE_ESCAPE)
     ended_ms, rested_ms = [], []
     for _ in range(STOP_TRIALS):
-        wait("a moving arm", lambda: _engage_until_moving(stand, page))
+        stand.wait("a moving arm", lambda: _engage_until_moving(stand, page))
         page.press("Escape")
-        wait("rest", lambda: _rests(stand))
+        stand.wait("rest", lambda: _rests(stand))
         pressed_ns = round((page.evaluate("window.pressed") + clock.offset_ms) * NS_PER_MS)
         since = [state for state in list(stand.record.states) if state.t_ns > pressed_ns]
         ended_ms.append(_first_ms(since, pressed_ns, lambda _, now: now.code == "stopped"))

@@ -13,6 +13,7 @@ from farhand.export.lerobot.encoding import CRF, KEY_PICTURE_EVERY
 from farhand.export.recording import open_sessions
 from farhand.export.session import RecordedSession
 from farhand.export.videos.h264 import SUFFIX, H264File, decoded
+from farhand.loopback.site_process import options_of
 from lab.measure.recording.long_file import write_long
 from lab.measure.recording.opening import opening_figures, repair_figures
 from lab.stage.processes import UnavailableError, module_command, run_quietly
@@ -82,5 +83,4 @@ def measure() -> dict[str, float]:
 def _record(file: Path) -> None:
     """A loopback of 40 s with its recorder, which a busy machine does not end."""
     options = "--record", file, "--headless", "--seconds", SECONDS
-    patient = (part for setting in PATIENT for part in ("--set", setting))
-    run_quietly(module_command("farhand", "loopback", *options, *patient), RECORDING_TAKES_S)
+    run_quietly(module_command("farhand", "loopback", *options, *options_of(PATIENT)), RECORDING_TAKES_S)

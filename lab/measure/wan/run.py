@@ -116,7 +116,7 @@ class WanBench:
         time.sleep(WATCHED_S)
         to_ns, used_s = time.monotonic_ns(), cpu_s(stage.network.link_pid) - used_s
         carried = stage.network.report()
-        states, path = stage.since(began_ns), stage.path
+        states, path = stage.since(began_ns), stage.hand.path
         stage.disengage()
         stage.close_page()
         seen = read_seen(*files)

@@ -16,6 +16,7 @@ from common.host_clock import MonotonicClock
 from common.messages.robot import GripperCommand
 from common.process.children import END, Children
 from common.process.service import StopFlag, ask_for_real_time
+from lab.stage.waiting import until
 from remote_site.config import RemoteConfig
 from remote_site.drivers import link as driver_link
 from remote_site.drivers.c500c.config import C500cConfig
@@ -230,10 +231,8 @@ def test_a_driver_that_blocks_is_seen_from_outside_while_control_goes_on(make_ri
     link = DriverLink(rig.memory, LIMITS, CLOCK)
     link.activate(CONFIG.robot.start)
     rest = JointMotion.at_rest(CONFIG.robot.start)
+    until(lambda: link.read().ready, "the driver")
     deadline = time.monotonic() + PATIENCE_S
-    while not link.read().ready:
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
     seq = 0
     while (fault := link.read().fault) is None:
         assert time.monotonic() < deadline

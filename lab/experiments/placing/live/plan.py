@@ -8,6 +8,7 @@ import numpy as np
 
 from common.clock import NS_PER_S
 from lab.experiments.placing.trial import MOST_S, PAGE_NS, WRIST_M, Conditions, remote_config
+from lab.stage.cell_endpoints import CellEndpoints
 from lab.visual_operator.at_console.sitting import Sitting
 
 CELL, OPERATOR_NAME = "placing", "visual_operator"
@@ -27,18 +28,13 @@ class LivePlan:
 
 def live_plan(conditions: Conditions, ports: Sequence[int], folder: Path) -> LivePlan:
     """A trial on four free ports of this host, with hand and notes of the operator in this folder."""
-    *others, page = ports
-    control, video, listen = (f"tcp/127.0.0.1:{port}" for port in others)
+    control, video, listen, page = ports
+    endpoints = CellEndpoints.on_ports(CELL, control, video, listen)
     hand = folder / "hand"
     return LivePlan(
-        remote=(f"cell={CELL}", f'links={{control="{control}", video="{video}"}}', *_remote_settings(conditions)),
-        local=(f"cell={CELL}", f'links={{remote="{control}", listen="{listen}"}}', *_local_settings(conditions)),
-        console=(
-            f"cell={CELL}",
-            f"operator={OPERATOR_NAME}",
-            f'links={{control="{control}", video="{video}", local="{listen}"}}',
-            f"serve.port={page}",
-        ),
+        remote=(*endpoints.remote, *_remote_settings(conditions)),
+        local=(*endpoints.local, *_local_settings(conditions)),
+        console=(*endpoints.console, f"operator={OPERATOR_NAME}", f"serve.port={page}"),
         sitting=Sitting(
             port=page,
             led_by=str(hand),
@@ -48,8 +44,8 @@ def live_plan(conditions: Conditions, ports: Sequence[int], folder: Path) -> Liv
             page_ns=PAGE_NS,
             most_s=MOST_S,
         ),
-        control=control,
-        listen=listen,
+        control=endpoints.control,
+        listen=endpoints.listen,
     )
 
 
