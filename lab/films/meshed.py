@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
-from lab.films.arm.arm_mesh import MESH, Body, load_arm_mesh
+from lab.films.arm.arm_mesh import Body, load_arm_mesh
 from lab.films.arm.motions import ArmMotion, FilmMotion
 from lab.films.arm.person import FilmedPerson, PersonInMotion
 from lab.films.arm.postures import PostureName
@@ -111,6 +111,6 @@ class _Stage:
 
 
 def _operator(arm: FilmedArm, seed: int) -> FilmedPerson:
-    mesh = load_arm_mesh(MESH, arm.body)
+    mesh = load_arm_mesh(arm.body)
     motion = ArmMotion(arm.motion, mesh.upper_arm_m, mesh.forearm_m, np.radians(arm.roll_deg), seed)
     return FilmedPerson(mesh, motion, arm.posture, arm.tone, SHIRTS[seed % len(SHIRTS)], arm.right, seed=seed)

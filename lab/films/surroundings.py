@@ -10,7 +10,7 @@ from numpy.random import Generator
 from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_S
 from common.geometry import Array
-from lab.films.arm.arm_mesh import MESH, load_arm_mesh
+from lab.films.arm.arm_mesh import load_arm_mesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.person import ColouredSurface, FilmedPerson
 from lab.films.arm.skin import Tone
@@ -102,7 +102,7 @@ class Surroundings:
 
 
 def _second(tone: Tone, seed: int) -> FilmedPerson:
-    mesh = load_arm_mesh(MESH, "muscular")
+    mesh = load_arm_mesh("muscular")
     motion = ArmMotion("toggle", mesh.upper_arm_m, mesh.forearm_m, np.radians(20.0), seed)
     return FilmedPerson(mesh, motion, "u_shape", tone, SKIN_SHIRT, right=False, offset=SECOND_AT, seed=seed)
 
