@@ -178,7 +178,7 @@ PLAYS: dict[str, Play] = {
         ["kinematic"], {"remote_site.runtime.conformance.test_driver": gives({"rests": Verdict.REPEAT})}, code=3
     ),
     "driver new": Play(["my_arm"]),
-    "arm import": Play(["arm.urdf"], {"farhand.arm_import.run.import_arm": gives(["imported: arm.urdf"])}),
+    "arm import": Play(["arm.urdf"], {"farhand.arm_import.import_arm.import_arm": gives(["imported: arm.urdf"])}),
     "config show": Play(["remote"]),
     "config init": Play(["sites"]),
     "config check": Play(["absent.toml"], code=1),
