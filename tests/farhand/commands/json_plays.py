@@ -10,7 +10,7 @@ from typing import Any
 import tests.common.messages.golden_examples as golden
 from common.recording.repair import Repaired
 from farhand.calibration.latency.delay import Delay
-from farhand.calibration.latency.run import CameraLatency
+from farhand.calibration.latency.measuring import CameraLatency
 from farhand.calibration.points import Calibrated
 from farhand.doctor.findings import warning
 from farhand.export.lerobot.run import ExportSummary
@@ -108,7 +108,7 @@ CREATED = [["certificates", "create", "lab"]]
 MAINTENANCE = ENGAGE + "request_maintenance"
 RECORDED = _asks("farhand.authority.record.request_record")
 LATENCY = CameraLatency("left", 40.0, 2.0, 16.7, False, Delay(40.0, 2.0, 0.99, 90.0, 30.0, 34.0))
-ENDS = "farhand.calibration.latency.run."
+ENDS = "farhand.calibration.latency.measuring."
 VERIFY = "farhand.replay."
 EXPORTS = {"farhand.export.recording.open_sessions": _no_sessions}
 PLAYS: dict[str, Play] = {
