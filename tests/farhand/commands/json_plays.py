@@ -170,7 +170,7 @@ PLAYS: dict[str, Play] = {
             ENDS + "measure": gives(([LATENCY], [])),
         },
     ),
-    "doctor": Play(instead={"farhand.doctor.run.examine": gives([warning("disk", "full", "free some")])}),
+    "doctor": Play(instead={"farhand.doctor.examination.examine": gives([warning("disk", "full", "free some")])}),
     "limits": Play(),
     "driver list": Play(),
     "tracker list": Play(),
