@@ -13,7 +13,7 @@ from farhand.calibration.latency.delay import Delay
 from farhand.calibration.latency.measuring import CameraLatency
 from farhand.calibration.points import Calibrated
 from farhand.doctor.findings import warning
-from farhand.export.lerobot.run import ExportSummary
+from farhand.export.lerobot.dataset_export import ExportSummary
 from farhand.loopback.plan import LoopbackOptions
 from farhand.loopback.recorder import Record
 from farhand.loopback.run import run_figures
@@ -146,7 +146,7 @@ PLAYS: dict[str, Play] = {
     "record repair": Play(["a.mcap"], {"common.recording.repair.repair": gives(Repaired(False, 7, 1.5, 12))}),
     "export lerobot": Play(
         ["a.mcap", "--out", "dataset"],
-        EXPORTS | {"farhand.export.lerobot.run.export_lerobot": gives(ExportSummary(1, 20, 20, ("b",)))},
+        EXPORTS | {"farhand.export.lerobot.dataset_export.export_lerobot": gives(ExportSummary(1, 20, 20, ("b",)))},
     ),
     "export csv": Play(
         ["a.mcap", "--out", "tables"], EXPORTS | {"farhand.export.tables.write.export_csv": gives([Path("a.csv")])}
