@@ -14,9 +14,9 @@ from farhand.calibration.latency.measuring import CameraLatency
 from farhand.calibration.points import Calibrated
 from farhand.doctor.findings import warning
 from farhand.export.lerobot.dataset_export import ExportSummary
+from farhand.loopback.measured_run import run_figures
 from farhand.loopback.plan import LoopbackOptions
 from farhand.loopback.recorder import Record
-from farhand.loopback.run import run_figures
 from farhand.replay.verify import Difference, ReplayVerdict
 from farhand.status.observed import Observed
 from farhand.teach.writing import as_toml
@@ -128,7 +128,7 @@ PLAYS: dict[str, Play] = {
     "episode end": RECORDED,
     "episode label": RECORDED,
     "status": Play(instead={"farhand.status.run.StatusWatch": _Watch, "farhand.status.run.OVER_NS": 0}),
-    "loopback": Play(instead={"farhand.loopback.run.Loopback": _Loop}, code=1),
+    "loopback": Play(instead={"farhand.loopback.measured_run.Loopback": _Loop}, code=1),
     "track": Play(
         ["--rig", "rig.json", "--left", "a", "--right", "b"], {"farhand.tracking.run.run_track": gives(Summary())}
     ),
