@@ -127,7 +127,7 @@ PLAYS: dict[str, Play] = {
     "episode begin": RECORDED,
     "episode end": RECORDED,
     "episode label": RECORDED,
-    "status": Play(instead={"farhand.status.run.StatusWatch": _Watch, "farhand.status.run.OVER_NS": 0}),
+    "status": Play(instead={"farhand.status.watch.StatusWatch": _Watch, "farhand.status.watch.OVER_NS": 0}),
     "loopback": Play(instead={"farhand.loopback.measured_run.Loopback": _Loop}, code=1),
     "track": Play(
         ["--rig", "rig.json", "--left", "a", "--right", "b"], {"farhand.tracking.run.run_track": gives(Summary())}
