@@ -130,7 +130,7 @@ PLAYS: dict[str, Play] = {
     "status": Play(instead={"farhand.status.watch.StatusWatch": _Watch, "farhand.status.watch.OVER_NS": 0}),
     "loopback": Play(instead={"farhand.loopback.measured_run.Loopback": _Loop}, code=1),
     "track": Play(
-        ["--rig", "rig.json", "--left", "a", "--right", "b"], {"farhand.tracking.run.run_track": gives(Summary())}
+        ["--rig", "rig.json", "--left", "a", "--right", "b"], {"farhand.tracking.track_run.run_track": gives(Summary())}
     ),
     "replay": Play(
         ["a.mcap", "--verify"],
