@@ -72,7 +72,7 @@ def _record(
     config: RemoteConfig | LocalConfig, plan: RecordingPlan, date: Callable[[], datetime], should_stop: StopFlag
 ) -> None:
     if isinstance(config, LocalConfig):
-        from local_site.recording.run import record_operator  # noqa: PLC0415  # only one of both is needed
+        from local_site.recording.recorder_process import record_operator  # noqa: PLC0415  # only one of both is needed
 
         record_operator(config, plan, date, should_stop)
     else:
