@@ -76,6 +76,6 @@ def _record(
 
         record_operator(config, plan, date, should_stop)
     else:
-        from remote_site.recording.run import record_cell  # noqa: PLC0415  # as above
+        from remote_site.recording.recorder_process import record_cell  # noqa: PLC0415  # as above
 
         record_cell(config, plan, date, should_stop)
