@@ -43,7 +43,7 @@ from lab.measure.tracking import monocular
 from lab.measure.video import views as video
 from lab.measure.wan import run as wan
 from lab.measure.wan.links import FULL, LINKS
-from lab.mutants import run as mutants
+from lab.mutants import survivors as mutants
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "cells": cells.measure,
