@@ -35,7 +35,7 @@ from rich.table import Table
 from lab.measure import cells, fuzz, load, rendering
 from lab.measure.control import tick as control
 from lab.measure.endurance import run as endurance
-from lab.measure.page import run as page
+from lab.measure.page import page_bench as page
 from lab.measure.recording import run as recording
 from lab.measure.soak import run as soak
 from lab.measure.tracking import comparison as tracking
