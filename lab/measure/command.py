@@ -36,7 +36,7 @@ from lab.measure import cells, fuzz, load, rendering
 from lab.measure.control import tick as control
 from lab.measure.endurance import run as endurance
 from lab.measure.page import page_bench as page
-from lab.measure.recording import run as recording
+from lab.measure.recording import recording_bench as recording
 from lab.measure.soak import run as soak
 from lab.measure.tracking import comparison as tracking
 from lab.measure.tracking import monocular
