@@ -37,7 +37,7 @@ from lab.measure.control import tick as control
 from lab.measure.endurance import run as endurance
 from lab.measure.page import page_bench as page
 from lab.measure.recording import recording_bench as recording
-from lab.measure.soak import run as soak
+from lab.measure.soak import worst_commands as soak
 from lab.measure.tracking import comparison as tracking
 from lab.measure.tracking import monocular
 from lab.measure.video import views as video
