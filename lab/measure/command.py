@@ -41,7 +41,7 @@ from lab.measure.soak import worst_commands as soak
 from lab.measure.tracking import comparison as tracking
 from lab.measure.tracking import monocular
 from lab.measure.video import views as video
-from lab.measure.wan import run as wan
+from lab.measure.wan import wan_bench as wan
 from lab.measure.wan.links import FULL, LINKS
 from lab.mutants import survivors as mutants
 
