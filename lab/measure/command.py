@@ -32,9 +32,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from lab.measure import cells, fuzz, load, rendering
+from lab.measure import cells, endurance, fuzz, load, rendering
 from lab.measure.control import tick as control
-from lab.measure.endurance import run as endurance
 from lab.measure.page import page_bench as page
 from lab.measure.recording import recording_bench as recording
 from lab.measure.soak import worst_commands as soak
