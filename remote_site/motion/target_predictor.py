@@ -165,9 +165,9 @@ class TargetPredictor:
         ended = t_ns > self._end_ns - self._delay_ns
         rested, settled = self._at_end() if ended else None, self._catch_up.learning == 0
         elapsed_s = (t_ns - self._estimator.sample_ns) / NS_PER_S
-        rate = self._estimator.take(t_ns, q, rested, moving=moving, settled=settled)
+        rate = self._estimator.update(t_ns, q, rested, moving=moving, settled=settled)
         _, dq, ddq = (list(column) for column in zip(*self._estimator.states, strict=True))
-        self._haste.take(self._bounds.effort(dq, ddq, max(sample.speed, SLOWEST)), elapsed_s)
+        self._haste.update(self._bounds.effort(dq, ddq, max(sample.speed, SLOWEST)), elapsed_s)
         self._learn_delay(now_ns - t_ns)
         self._end_ns = self._catch_up.due_ns if self._predict_ns else t_ns + self._delay_ns
         curve = [(at, *self._haste.extrapolated(*motion)) for at, *motion in self._estimator.states]
