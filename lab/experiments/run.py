@@ -12,7 +12,7 @@ from rich.progress import Progress as ProgressBar
 from common.errors import ConfigError, InterruptionError
 from farhand.outputs import check_folder, make_folder, write_result
 from farhand.reports.plotting import require_matplotlib
-from farhand.tracking.run import prepare_tracker
+from farhand.tracking.track_run import prepare_tracker
 from lab.experiments import follow
 from lab.experiments.placing import causes, over_network
 from lab.experiments.placing import series as placing

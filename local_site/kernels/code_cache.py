@@ -49,7 +49,7 @@ class UsersFolder(_StaleWithAnySource, UserWideCacheLocator):
 LOCATORS = ",".join(f"{place.__module__}.{place.__qualname__}" for place in (GivenFolder, BesideSource, UsersFolder))
 
 
-class KeptCode(FunctionCache):
+class CodeCache(FunctionCache):
     """The code of one function on disk; where it cannot be read or kept, as on a full disk, it is used all the same.
 
     That is a warning, once for each folder.

@@ -121,7 +121,7 @@ class _Lead:
 class Assist:
     """OFF <-> OFFERED -> LEADING -> ENDED -> OFF; time comes in as nanoseconds of this host's clock.
 
-    Feed what is seen of the markers to `see`, every sample's intent to `hear`, and call `step` once for each sample
+    Feed what is seen of the markers to `see`, every sample's intent to `observe_intent`, and call `step` once for each
     that is followed. Only a press of the key that names the offered target begins to lead; whatever ends it, the key
     has to be released first.
     """
@@ -144,7 +144,7 @@ class Assist:
             if sighting.marker in self._markers:
                 self._markers[sighting.marker].see(sighting)
 
-    def hear(self, intent: Intent | None, now_ns: int) -> None:
+    def observe_intent(self, intent: Intent | None, now_ns: int) -> None:
         """Take what the operator's page reports with a sample; letting go ends the lead at once."""
         self._key.see(intent, now_ns)
         if self._lead is not None and not self._key.held:

@@ -52,8 +52,8 @@ class Gains:
         """Nothing has deviated yet."""
         self._moves, self._accelerates = Correlation(size, MEMORY), Correlation(size, LONGER_MEMORY)
 
-    def take(self, deviation: Numbers) -> FilterGains:
-        """The gains for the newest deviation (n,)."""
+    def update(self, deviation: Numbers) -> FilterGains:
+        """Return the gains for the newest deviation (n,)."""
         moves, accelerates = self._moves.motion(deviation), self._accelerates.motion(deviation)
         shares = moves, moves, accelerates, moves
         columns = zip(self._rest, self._ranges, shares, strict=True)

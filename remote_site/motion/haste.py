@@ -19,7 +19,7 @@ class Haste:
     def __init__(self) -> None:
         self._needed = 0.0
 
-    def take(self, needed: float, elapsed_s: float) -> None:
+    def update(self, needed: float, elapsed_s: float) -> None:
         """Note what the newest estimate needs."""
         self._needed = max(needed, self._needed * math.exp(-elapsed_s / MEMORY_S))
 

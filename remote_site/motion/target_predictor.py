@@ -160,22 +160,22 @@ class TargetPredictor:
         t_ns, now_ns = sample.t_ns, sample.now_ns
         if t_ns <= self._estimator.sample_ns:
             return
-        self._catch_up.leave(sample.spare)
-        self.hear(sample)
+        self._catch_up.limit_speed(sample.spare)
+        self.note_arrival(sample)
         ended = t_ns > self._end_ns - self._delay_ns
         rested, settled = self._at_end() if ended else None, self._catch_up.learning == 0
         elapsed_s = (t_ns - self._estimator.sample_ns) / NS_PER_S
-        rate = self._estimator.take(t_ns, q, rested, moving=moving, settled=settled)
+        rate = self._estimator.update(t_ns, q, rested, moving=moving, settled=settled)
         _, dq, ddq = (list(column) for column in zip(*self._estimator.states, strict=True))
-        self._haste.take(self._bounds.effort(dq, ddq, max(sample.speed, SLOWEST)), elapsed_s)
+        self._haste.update(self._bounds.effort(dq, ddq, max(sample.speed, SLOWEST)), elapsed_s)
         self._learn_delay(now_ns - t_ns)
         self._end_ns = self._catch_up.due_ns if self._predict_ns else t_ns + self._delay_ns
         curve = [(at, *self._haste.extrapolated(*motion)) for at, *motion in self._estimator.states]
         self._turn_to(t_ns + self._delay_ns, curve, now_ns, rate)
 
-    def hear(self, sample: ToolSample) -> None:
+    def note_arrival(self, sample: ToolSample) -> None:
         """Note that a sample has come, late or not; also one that gives no target."""
-        self._catch_up.hear(sample.now_ns, sample.stretch)
+        self._catch_up.note_arrival(sample.now_ns, sample.stretch)
 
     def at(self, now_ns: int) -> Motion:
         """The target's position (n,), velocity and acceleration (n,) per s and s² at `now_ns`, within its bounds."""
@@ -206,8 +206,8 @@ class TargetPredictor:
         off = [at - position for at, (position, _, _) in zip(here, now, strict=True)]
         dq_off = [at - velocity for at, (_, velocity, _) in zip(moving, now, strict=True)]
         rate = self._bounds.convergence(rate, off, dq_off)
-        left = self._catch_up.left([late for *_, late in self._offsets], now_ns - self._since_ns)
-        slow = self._catch_up.take(here, off, dq_off, rate, left)
+        remaining = self._catch_up.remaining([late for *_, late in self._offsets], now_ns - self._since_ns)
+        slow = self._catch_up.update_slow_part(here, off, dq_off, rate, remaining)
         slow_rate, columns = self._catch_up.rate, zip(off, dq_off, slow, strict=True)
         self._offsets = [
             (away - late, step + slow_rate * late + rate * (away - late), late) for away, step, late in columns

@@ -68,7 +68,7 @@ class ClosedFormTracker:
         solution = self._solved(target)
         if not isinstance(solution, Solution):
             self._waiting.halt(self._inverse.q)
-            self._predictor.hear(target)
+            self._predictor.note_arrival(target)
             return solution.reason
         self._solved_ns = target.t_ns
         self._predictor.aim(target, solution.q)

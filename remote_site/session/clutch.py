@@ -25,7 +25,7 @@ class Clutch:
         self._released_ns: int | None = None  # by the sender's clock, until the hand was calm
         self._calm: tuple[Accepted, Accepted] | None = None  # the first and the newest of a calm hand
 
-    def take(self, result: Accepted | Rejected, gap_ns: int) -> None:
+    def observe(self, result: Accepted | Rejected, gap_ns: int) -> None:
         """Take note of a judged sample; between two that are farther apart than `gap_ns` nobody saw the hand."""
         if result.sample is not None:
             self._see(result.sample)

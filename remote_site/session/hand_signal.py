@@ -65,7 +65,7 @@ class HandSignal:
         """Reset the count, and drop what was wrong before, as for a new lease; its holder may be the same."""
         self.good, self._born_ns, self._trouble = 0, None, None
 
-    def take(self, result: Accepted | Rejected) -> None:
+    def observe(self, result: Accepted | Rejected) -> None:
         """Take note of a judged sample."""
         if isinstance(result, Accepted):
             gap_ns = result.born_ns - self._born_ns if self._born_ns is not None else 0

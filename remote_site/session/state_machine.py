@@ -148,8 +148,8 @@ class Session:
             self._leave(reason(Code.NEW_SESSION, holder=self._holder or "another site"))
         if result.sample is not None:
             self._see_intent(result.sample.intent)
-        self.page.clutch.take(result, self._hand.soft_ns)
-        self._hand.take(result)
+        self.page.clutch.observe(result, self._hand.soft_ns)
+        self._hand.observe(result)
         if isinstance(result, Rejected):
             self._hold.note(result.reason)
         if self._page_silence() is not None:

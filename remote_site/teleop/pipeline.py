@@ -86,7 +86,7 @@ class TeleopPipeline:
             return
         self._session.sample(result)
         if result.sample is not None:
-            self._assist.hear(result.sample.intent, now_ns)
+            self._assist.observe_intent(result.sample.intent, now_ns)
         if isinstance(result, Rejected) and result.sample is not None:
             self._gripper.interrupt()
 

@@ -63,7 +63,7 @@ class PlayedMotion:
             states = zip(*(stop.at(self._braked_s) for stop in self._stops), strict=True)
             self._filter.motion = JointMotion(*(np.array(values) for values in states))
         q: Array = self._filter.motion.q + self._offset
-        self._check.take(q, ticks)
+        self._check.note_sent(q, ticks)
         return q
 
     def _follow(self, ticks: int, now_ns: int) -> None:

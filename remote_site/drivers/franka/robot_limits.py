@@ -111,8 +111,8 @@ class StepCheck:
                 return f"the {what} of joint {k + 1} would be {values[k]:.4g}, and the robot allows {allowed}"
         return ""
 
-    def take(self, q: Array, ticks: int) -> None:
-        """`q` is sent `ticks` milliseconds after the last step."""
+    def note_sent(self, q: Array, ticks: int) -> None:
+        """Note that `q` is sent `ticks` milliseconds after the last step."""
         self.sent, self._span_s = self._next(q, ticks * TICK_S), ticks * TICK_S
 
     def _next(self, q: Array, span_s: float) -> JointMotion:

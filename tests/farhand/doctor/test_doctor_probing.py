@@ -26,8 +26,8 @@ from common.link.transport import open_link
 from common.messages.requests import ClockAnswer
 from farhand.cli import app
 from farhand.doctor.cameras import check_camera, probe_camera, probe_rig
+from farhand.doctor.examination import examine, which_site
 from farhand.doctor.findings import Severity
-from farhand.doctor.run import examine, which_site
 from farhand.doctor.site import probe_clock, probe_port
 from farhand.loopback.site_process import free_ports, options_of
 from farhand.router import RouterConfig

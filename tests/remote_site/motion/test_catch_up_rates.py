@@ -43,9 +43,9 @@ def test_what_may_decay_at_the_full_rate_is_no_slow_part_any_more(samples: int) 
     catch_up = CatchUp(60 * NS_PER_MS, lambda _q, dq: (abs(dq[0]), 0.0))
     catch_up.reset(0, 20.0)
     for k in range(samples):
-        catch_up.hear(k * PERIOD_MS * NS_PER_MS, 1.0)
-    assert catch_up.take([0.0], [0.001], [0.0], 20.0, [0.001]) == [0.0]
-    (slow,) = catch_up.take([0.0], [0.02], [0.0], 20.0, [0.02])
+        catch_up.note_arrival(k * PERIOD_MS * NS_PER_MS, 1.0)
+    assert catch_up.update_slow_part([0.0], [0.001], [0.0], 20.0, [0.001]) == [0.0]
+    (slow,) = catch_up.update_slow_part([0.0], [0.02], [0.0], 20.0, [0.02])
     assert catch_up.rate * slow == pytest.approx(CATCH_UP_M_S)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from common.clock import NS_PER_S
 from lab.experiments.placing.trial import MOST_S, PAGE_NS, WRIST_M, Conditions, remote_config
 from lab.stage.cell_endpoints import CellEndpoints
-from lab.visual_operator.at_console.sitting import Sitting
+from lab.visual_operator.at_console.operator_process import OperatorSetup
 
 CELL, OPERATOR_NAME = "placing", "visual_operator"
 
@@ -21,7 +21,7 @@ class LivePlan:
     remote: Sequence[str]
     local: Sequence[str]
     console: Sequence[str]
-    sitting: Sitting
+    operator: OperatorSetup
     control: str
     listen: str
 
@@ -35,7 +35,7 @@ def live_plan(conditions: Conditions, ports: Sequence[int], folder: Path) -> Liv
         remote=(*endpoints.remote, *_remote_settings(conditions)),
         local=(*endpoints.local, *_local_settings(conditions)),
         console=(*endpoints.console, f"operator={OPERATOR_NAME}", f"serve.port={page}"),
-        sitting=Sitting(
+        operator=OperatorSetup(
             port=page,
             led_by=str(hand),
             notes=str(folder / "notes.json"),

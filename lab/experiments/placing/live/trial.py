@@ -16,7 +16,7 @@ from lab.experiments.placing.live.pace import LiveResult, live_result
 from lab.experiments.placing.live.plan import CELL, LivePlan, live_plan
 from lab.experiments.placing.trial import Conditions
 from lab.stage.staged_sites import StagedSites
-from lab.visual_operator.at_console.sitting import SittingNotes
+from lab.visual_operator.at_console.operator_process import TrialNotes
 
 LIVE = "lab.experiments.placing.live."
 JUDGED_REMOTE, LED_LOCAL, OPERATOR = LIVE + "judged_remote", LIVE + "led_local", "lab.visual_operator.at_console"
@@ -37,13 +37,13 @@ def run_live(conditions: Conditions) -> LiveResult:
             _play(plan, judgement, sites)
         finally:
             sites.end()
-        notes = _read(Path(plan.sitting.notes), SittingNotes, sites)
+        notes = _read(Path(plan.operator.notes), TrialNotes, sites)
         return live_result(notes, _read(judgement, TrialJudgement, sites), sites.record, sites.events)
 
 
 def operator_process(plan: LivePlan) -> SiteProcess:
     """The operator's, which is given the console's port and its hand's socket, and of both sites nothing."""
-    return SiteProcess("operator", module_command(OPERATOR, msgspec.json.encode(plan.sitting).decode()), {})
+    return SiteProcess("operator", module_command(OPERATOR, msgspec.json.encode(plan.operator).decode()), {})
 
 
 def _play(plan: LivePlan, judgement: Path, sites: StagedSites) -> None:
@@ -52,12 +52,12 @@ def _play(plan: LivePlan, judgement: Path, sites: StagedSites) -> None:
         sites.start("remote", module_command(JUDGED_REMOTE, str(judgement), "remote"), plan.remote)
         control = stack.enter_context(open_link(connect=(plan.control, plan.listen)))
         sites.listen(Recorder(control, control, CELL, ()))
-        sites.start("local", module_command(LED_LOCAL, plan.sitting.led_by, "local"), plan.local)
+        sites.start("local", module_command(LED_LOCAL, plan.operator.led_by, "local"), plan.local)
         sites.start("console", module_command("farhand", "console"), plan.console)
-        sites.wait("the console", lambda: listens(plan.sitting.port), START_TIMEOUT_S)
+        sites.wait("the console", lambda: listens(plan.operator.port), START_TIMEOUT_S)
         operator = operator_process(plan)
         stack.callback(operator.end)
-        most_s = plan.sitting.patience_s + plan.sitting.most_s + MARGIN_S
+        most_s = plan.operator.patience_s + plan.operator.most_s + MARGIN_S
         sites.wait("the operator", lambda: operator.exit_code is not None, most_s)
         if operator.exit_code:
             raise ProcessError(f"the operator left its page: {operator.last_error()}; {sites.last_errors()}")

@@ -13,7 +13,7 @@ from common.link.roles import Identity, Role
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
 from farhand.doctor import arm, cameras, landmarks, machine, site
 from farhand.doctor.findings import Finding, error, ok
-from farhand.doctor.link.run import examine_link
+from farhand.doctor.link.protocols import examine_link
 from farhand.router import TLS_TABLE as ROUTERS_TLS
 from farhand.router import VIEWERS_TABLE as ROUTERS_VIEWERS
 from local_site.calibration.control_points import CAMERAS

@@ -7,8 +7,8 @@ from msgspec.structs import replace
 from common.errors import RefusedError
 from farhand.replay.recorded_scene import recorded_cell
 from farhand.teach.planning import way_points_in_base
-from farhand.teach.run import check_cell
 from farhand.teach.task_file import TaughtFrame
+from farhand.teach.task_run import check_cell
 from tests.farhand.replay.recorded_states import recorded_states
 from tests.farhand.teach.example_task import TASK
 

@@ -1,4 +1,4 @@
-"""A sitting of the operator's process: what it is given, and what it notes of its work."""
+"""The operator's process: what it is given, and what it notes of its work."""
 
 import msgspec
 
@@ -6,7 +6,7 @@ from common.clock import NS_PER_S
 from lab.visual_operator.operator import Notes
 
 
-class Sitting(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class OperatorSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything that the operator's process is given: the console's port, and the socket of its hand's cameras.
 
     It looks every `page_ns`, gives up after `most_s`, waits `patience_s` for a page that has everything, and leaves
@@ -23,7 +23,7 @@ class Sitting(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     patience_s: float = 60.0
 
 
-class SittingNotes(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
+class TrialNotes(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
     """The operator's notes: when it began and ended (ns), counts; of each look how old the oldest view was and how
     long it took (ms); how often the page gave which reason of the session's state.
 
@@ -51,7 +51,7 @@ class SittingNotes(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
         self.ages_ms.append(age_ms)
         self.looks_ms.append(took_ms)
 
-    def end(self, notes: Notes, end_ns: int, late: int) -> "SittingNotes":
+    def end(self, notes: Notes, end_ns: int, late: int) -> "TrialNotes":
         """Note how it ended."""
         self.end_ns, self.late = end_ns, late
         self.clutches, self.misses, self.gave_up = notes.clutches, notes.misses, notes.gave_up

@@ -30,7 +30,7 @@ from farhand.loopback.site_process import listens, start_site
 from farhand.loopback.slowness import too_slow
 from farhand.outputs import check_file, check_folder, check_new_file
 from farhand.terminal import aside, tell
-from farhand.tracking.run import prepare_tracker
+from farhand.tracking.track_run import prepare_tracker
 from local_site.acquisition.simulated_cameras import Beginning
 from local_site.simulation.operator import Operator as SimulatedOperator
 from local_site.simulation.operator import make_operator

@@ -16,7 +16,7 @@ from common.errors import ConfigError, InterruptionError
 from farhand.deployment.schemas import schema_of
 from farhand.setup.conversation import TerminalPerson
 from farhand.setup.notes import SetupAnswers, SetupFolder
-from farhand.setup.run import Tools, set_up
+from farhand.setup.steps import Tools, set_up
 from local_site.calibration.boards import BoardFinder
 from local_site.calibration.rig_file import load_rig, save_rig
 from local_site.config import LocalConfig

@@ -13,9 +13,9 @@ from common.clock import FakeClock
 from common.config.loading import load_config
 from common.errors import CameraError, ConfigError, InterruptionError
 from farhand.calibration.cameras import CameraSetup, configured_cameras
+from farhand.calibration.latency.measuring import describe, measure, open_for_latency, watch_screen
 from farhand.calibration.latency.page import PatternPage, page_text
 from farhand.calibration.latency.pattern import pattern_of, sequence
-from farhand.calibration.latency.run import describe, measure, open_for_latency, watch_screen
 from local_site.config import LocalConfig
 from tests.farhand.calibration.latency.shown_screen import REFRESH_MS, seen, shown
 

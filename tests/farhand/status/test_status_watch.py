@@ -11,9 +11,9 @@ from common.errors import InterruptionError, TransportError
 from common.link.config import ON_THIS_HOST
 from common.messages.robot import RobotState
 from common.process.service import StopFlag
-from farhand.status import run
+from farhand.status import watch
 from farhand.status.observed import Observed
-from farhand.status.run import NARROW, show_status
+from farhand.status.watch import NARROW, show_status
 from farhand.status.words import Row
 from local_site.console.config import ConsoleConfig, ConsoleLinksConfig
 from tests.common.link.secured_cell import CELL, Cell, free_port, running
@@ -28,7 +28,7 @@ def cell() -> Iterator[Cell]:
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine may take its time."""
-    monkeypatch.setattr(run, "PATIENCE_S", 60.0)
+    monkeypatch.setattr(watch, "PATIENCE_S", 60.0)
 
 
 def config_of(endpoint: str) -> ConsoleConfig:
@@ -43,7 +43,7 @@ def shown(cell: Cell, should_stop: StopFlag, *, terminal: bool, once: bool = Fal
 
 
 def test_a_terminal_is_redrawn_until_it_is_asked_to_stop(cell: Cell, monkeypatch: pytest.MonkeyPatch) -> None:
-    should_stop, drawn, in_words = StopFlag(), [], run.rows_of
+    should_stop, drawn, in_words = StopFlag(), [], watch.rows_of
 
     def rows_of(seen: Observed, state: RobotState, now_ns: int, software: str) -> list[Row]:
         drawn.append(now_ns)
@@ -51,7 +51,7 @@ def test_a_terminal_is_redrawn_until_it_is_asked_to_stop(cell: Cell, monkeypatch
             should_stop.set()
         return in_words(seen, state, now_ns, software)
 
-    monkeypatch.setattr(run, "rows_of", rows_of)
+    monkeypatch.setattr(watch, "rows_of", rows_of)
     told = shown(cell, should_stop, terminal=True)
     assert len(drawn) == 3
     assert "Ctrl-C ends this" in told
@@ -60,7 +60,7 @@ def test_a_terminal_is_redrawn_until_it_is_asked_to_stop(cell: Cell, monkeypatch
 
 
 def test_a_terminal_gets_the_table_once_where_that_is_asked(cell: Cell, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "OVER_NS", 1)
+    monkeypatch.setattr(watch, "OVER_NS", 1)
     told = shown(cell, StopFlag(), terminal=True, once=True)
     assert told.count("engaged: following the hand") == 1
     assert "Ctrl-C" not in told
@@ -69,7 +69,7 @@ def test_a_terminal_gets_the_table_once_where_that_is_asked(cell: Cell, monkeypa
 def test_what_is_no_terminal_gets_a_line_for_each_row_once(
     cell: Cell, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(run, "OVER_NS", 1)
+    monkeypatch.setattr(watch, "OVER_NS", 1)
     assert shown(cell, StopFlag(), terminal=False) == ""
     lines = capsys.readouterr().out.splitlines()
     assert "state: engaged: following the hand" in lines
@@ -77,7 +77,7 @@ def test_what_is_no_terminal_gets_a_line_for_each_row_once(
 
 
 def test_where_nothing_is_heard_it_ends_with_what_to_check(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "PATIENCE_S", 0.0)
+    monkeypatch.setattr(watch, "PATIENCE_S", 0.0)
     endpoint = f"tcp/127.0.0.1:{free_port()}"
     with pytest.raises(
         TransportError, match=f"no site of cell {CELL} answers at {endpoint}: check that 'farhand remote'"

@@ -12,11 +12,11 @@ from lab.stage.processes import ROOT
 
 SHORT = """
 from pathlib import Path
-from lab.measure.wan import run
+from lab.measure.wan import wan_bench
 from lab.measure.wan.links import WanLink
-run.FOLDER = Path({folder!r})
-run.SETTLES_S, run.WATCHED_S = 3.0, 4.0
-run.run((WanLink(2, mbit_s=100),), ())
+wan_bench.FOLDER = Path({folder!r})
+wan_bench.SETTLES_S, wan_bench.WATCHED_S = 3.0, 4.0
+wan_bench.run((WanLink(2, mbit_s=100),), ())
 """
 
 

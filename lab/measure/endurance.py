@@ -1,4 +1,4 @@
-"""Runs both sites for an hour, with recorder, viewers and a page: `python -m lab.measure.endurance.run [MINUTES]`.
+"""Runs both sites for an hour, with recorder, viewers and a page: `python -m lab.measure.endurance [MINUTES]`.
 
 Each minute the page is closed and opened again, the viewers leave and come again, and the arm is engaged again. It
 writes build/endurance.json: by process, its memory, descriptors and threads at the begin and at the end. It needs what
@@ -85,7 +85,7 @@ def measure(minutes: float = MINUTES) -> dict[str, float]:
     """The figures by process; in a process of its own, which leaves this host's network."""
     if missing := why_not():
         sys.exit(f"endurance: no two hosts on this machine: {missing}")
-    subprocess.run(module_command("lab.measure.endurance.run", minutes), check=True, cwd=ROOT)  # noqa: S603 - our own words
+    subprocess.run(module_command("lab.measure.endurance", minutes), check=True, cwd=ROOT)  # noqa: S603 - our own words
     figures: dict[str, float] = json.loads((ROOT / REPORT).read_text())
     return figures
 

@@ -5,9 +5,9 @@ import pytest
 
 from common.errors import RefusedError, TransportError
 from common.link.config import LinkSecurity, TlsConfig
+from farhand.doctor.examination import examine_link_of
 from farhand.doctor.link.figures import LinkFigures, WayFigures
-from farhand.doctor.link.run import examine_link
-from farhand.doctor.run import examine_link_of
+from farhand.doctor.link.protocols import examine_link
 from local_site.config import LocalConfig, LocalLinksConfig
 from local_site.console.config import ConsoleConfig, ConsoleLinksConfig
 

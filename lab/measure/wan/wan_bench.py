@@ -1,4 +1,4 @@
-"""Measures links one after the other on one pair of sites: `python -m lab.measure.wan.run [--full | --links=NAME,...]`.
+"""Measures links one by one on one pair of sites: `python -m lab.measure.wan.wan_bench [--full | --links=NAME,...]`.
 
 Without a choice it takes a part of the matrix, in eight minutes. It writes build/wan: report.json, networks.md
 (tables), networks.png. The whole needs the right to network namespaces and to /dev/net/tun.
@@ -56,7 +56,7 @@ def measure(*words: str) -> dict[str, float]:
     missing = why_not()
     if missing:
         sys.exit(f"wan: no two hosts on this machine: {missing}")
-    subprocess.run([*module_command("lab.measure.wan.run"), *words], check=True, cwd=ROOT)
+    subprocess.run([*module_command("lab.measure.wan.wan_bench"), *words], check=True, cwd=ROOT)
     report = json.loads((ROOT / FOLDER / "report.json").read_text())
     figures = {
         f"{name}_{key}": value

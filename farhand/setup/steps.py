@@ -24,7 +24,7 @@ from farhand.setup.finding_cameras import OpenCamera, choose_cameras, try_camera
 from farhand.setup.notes import NAMES, SetupAnswers, SetupFolder
 from farhand.setup.pdf import pdf_of
 from farhand.setup.trial import TrackerTrial, judge_trial, run_trial
-from farhand.tracking.run import prepare_tracker
+from farhand.tracking.track_run import prepare_tracker
 from local_site.acquisition.pairing import PairingConfig
 from local_site.calibration.rig_file import load_rig
 from local_site.config import LocalConfig
