@@ -1,1 +1,1 @@
-"""What both sites have in common: messages, time, geometry, links, configuration, a daemon's lifecycle."""
+"""The parts that both sites share: messages, time, geometry, links, configuration, a daemon's lifecycle."""

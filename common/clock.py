@@ -72,7 +72,7 @@ class RoundTrip:
 
     @property
     def possible(self) -> bool:
-        """Whether two monotonic clocks can have given these times."""
+        """Return whether two monotonic clocks can have given these times."""
         return self.answered_ns >= self.received_ns and self.duration_ns >= 0
 
     def error_bound_ns(self, now_ns: int) -> int:
@@ -96,7 +96,7 @@ class ClockEstimate:
     their_ahead_ns: int | None = None
 
     def of_stamp(self, ahead_ns: int | None) -> ClockOffset:
-        """The offset for a stamp of the other clock that steady time was ahead of by `ahead_ns`, None if not told."""
+        """The offset for a stamp of the other clock that steady time led by `ahead_ns`, None if not reported."""
         if ahead_ns is None or self.their_ahead_ns is None:
             return self.offset
         return ClockOffset(self.offset.offset_ns + self.their_ahead_ns - ahead_ns, self.offset.uncertainty_ns)

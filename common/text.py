@@ -27,7 +27,7 @@ def escaped(text: str) -> str:
 
 
 def name_mistake(name: str) -> str:
-    """What bars a name that others gave, as words after its place; empty where nothing does."""
+    """Describe what bars a name that others gave, as words after its place; empty where nothing does."""
     shown = escaped(cut(name, SHOWN_OF_NAME))
     if not name.isprintable():
         return f"has characters that do not show: '{shown}'; give a name of letters, digits and underscores"

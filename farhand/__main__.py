@@ -24,7 +24,7 @@ def main() -> None:
 
 
 def foreign_package() -> str | None:
-    """What is wrong when Python would import another distribution's `common`, `local_site` or `remote_site`."""
+    """Say what is wrong when Python would import another distribution's `common`, `local_site` or `remote_site`."""
     for name in OWN_PACKAGES:
         spec = find_spec(name)
         if spec is None:

@@ -1,4 +1,4 @@
-"""How a command ends: its exit codes, and Ctrl-C and SIGTERM until it listens to them itself.
+"""The end of a command: its exit codes, and Ctrl-C and SIGTERM until it listens to them itself.
 
 Of every command alike, 0 is done. FAILED: it was begun and failed, or what was examined is not right. MISUSE: the
 options or the configuration were refused before anything began. UNDECIDED: nothing failed, and not all could be judged.
@@ -29,7 +29,7 @@ def catch_signals() -> None:
 
 
 def sentence(arguments: Sequence[str]) -> str:
-    """What an interrupted command line says; of a stop, that it is not acknowledged."""
+    """Return what an interrupted command line says; of a stop, that it is not acknowledged."""
     stops = any(list(arguments[: len(words)]) == words for words in STOPS)
     return f"{NOT_STOPPED} interrupted before an answer came" if stops else "interrupted"
 

@@ -43,7 +43,7 @@ def check_folder(option: str, folder: Path | None, inputs: Iterable[str | Path] 
 
 
 def _takes_files(folder: Path) -> bool:
-    """Whether a file can be made in a folder, tried: permissions alone say nothing of a file system such as /proc."""
+    """Try whether a file can be made in a folder: permissions alone say nothing of a file system such as /proc."""
     try:
         with TemporaryFile(dir=folder):
             return True

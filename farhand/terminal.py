@@ -1,4 +1,4 @@
-"""What a command says at a terminal: words of another site, of a driver or of an operator do nothing to it."""
+"""Output of commands at a terminal: words of another site, of a driver or of an operator do nothing to it."""
 
 import json
 import sys

@@ -69,10 +69,10 @@ class RemoteConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
     @property
     def cell_is_simulated(self) -> bool:
-        """Whether the robot is the simulated cell's."""
+        """Return whether the robot is the simulated cell's."""
         return self.driver.name == SIMULATED
 
     @property
     def views_are_simulated(self) -> bool:
-        """Whether a camera shows the simulated cell."""
+        """Return whether a camera shows the simulated cell."""
         return any(camera.source == SIMULATED for camera in self.video.cameras)

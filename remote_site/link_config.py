@@ -49,5 +49,5 @@ class RemoteLinksConfig(OperatorLinks, frozen=True, kw_only=True, forbid_unknown
 
     @property
     def listened(self) -> tuple[str, ...]:
-        """Where this site listens."""
+        """The endpoints at which this site listens."""
         return () if self.router else (self.control, self.video)

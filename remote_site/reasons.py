@@ -1,4 +1,4 @@
-"""Why something was refused or stopped: every code with its sentence, in one table."""
+"""Reasons why something was refused or stopped: every code with its sentence, in one table."""
 
 from dataclasses import dataclass
 from enum import StrEnum

@@ -28,7 +28,7 @@ class SharedRing:
 
     @property
     def count(self) -> int:
-        """How many records were written, with those that were too large."""
+        """The number of records written, with those that were too large."""
         return self._words[NUMBER]
 
     def write(self, data: bytes) -> bool:
@@ -53,11 +53,11 @@ class SharedRing:
 
     @property
     def head(self) -> int:
-        """Where the next record begins, in bytes since the ring's beginning."""
+        """The place where the next record begins, in bytes since the ring's beginning."""
         return self._words[HEAD]
 
     def standing(self) -> tuple[int, int]:
-        """Where the next record begins and its number, as they belong together."""
+        """Return where the next record begins and its number, as they belong together."""
         for _ in range(STANDING_ATTEMPTS):
             reserved, number, head = self._words[RESERVED], self._words[NUMBER], self._words[HEAD]
             if reserved == head == self._words[RESERVED]:

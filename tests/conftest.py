@@ -20,6 +20,7 @@ settings.register_profile("any machine", deadline=None)  # a busy one takes its 
 settings.load_profile("any machine")
 
 HERE = Path(__file__).parent
+PATIENCE_S = 3600.0  # with tests that take long; pyproject.toml has the others' timeout
 # Tests of light sites, which only wait for events, run in one row beside others, and first, since they take longest.
 FIRST = (HERE / "integration",)
 IN_A_ROOM = HERE / "loopback" / "test_loopback_in_a_room.py"
@@ -80,8 +81,11 @@ def pytest_collection() -> Generator[None, object, object]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Sort the rows first or last, and first of all the tests that leave one pair of sites to each other."""
+    """Sort rows first or last, first of all tests that leave one pair of sites to each other; some may take hours."""
     items.sort(key=_rank)
+    for item in items:
+        if item.get_closest_marker("long") or item.get_closest_marker("faults"):
+            item.add_marker(pytest.mark.timeout(PATIENCE_S))
 
 
 def _rank(item: pytest.Item) -> int:

@@ -6,8 +6,9 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from common.messages.hand import ClockSync, HandArm, Intent
 from common.messages.robot import GripperCommand, LeaseState, Pose, RobotState, SessionState
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, Every, SteppedSite
+from lab.stage.network.in_transit import InTransit
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, Every, SteppedSite
 from local_site.programmed.path_progress import PathProgress
 from local_site.programmed.path_runs import PathProgram, PathRuns
 from local_site.samples.hand_sample import HandSampler, OpenHand
@@ -42,7 +43,7 @@ class LedCell:
         self.runs = PathRuns(program, SESSION, lambda: self.site.description)
         self.key_held, self.is_cut, self.reason = False, False, ""
         self._sampler, self._due = HandSampler(SESSION), Every(PERIOD_NS, self.site.now_ns)
-        self._under_way: list[tuple[int, HandArm]] = []
+        self._under_way = InTransit[HandArm]()
         self.remote, self._ended_ns = 1, 0
 
     def restart(self, config: RemoteConfig) -> None:
@@ -50,7 +51,7 @@ class LedCell:
         self.site.clock.sleep_until_ns(self.site.now_ns + NS_PER_S)
         self._ended_ns += self.site.now_ns
         self.site = SteppedSite(config, self.site.robot)
-        self._due, self._under_way = Every(PERIOD_NS, self.site.now_ns), []
+        self._due, self._under_way = Every(PERIOD_NS, self.site.now_ns), InTransit()
         self.remote += 1
 
     def step(self) -> None:
@@ -64,10 +65,8 @@ class LedCell:
             intent, toggles = Intent(hold=self.key_held), OpenHand(toggles=self.runs.toggles)
             sample = self._sampler.sample(hand, toggles, LEASE, clock, intent, local_ns)
             if not self.is_cut:
-                self._under_way.append((now_ns + LINK_NS, sample))
-        arrived = [NamedSample(OPERATOR, sample) for at_ns, sample in self._under_way if at_ns <= now_ns]
-        self._under_way = [(at_ns, sample) for at_ns, sample in self._under_way if at_ns > now_ns]
-        self.site.tick(arrived)
+                self._under_way.send(sample, now_ns + LINK_NS)
+        self.site.tick([NamedSample(OPERATOR, sample) for sample in self._under_way.arrived(now_ns)])
 
     def pass_s(self, seconds: float) -> None:
         """Let time pass."""

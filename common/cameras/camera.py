@@ -1,12 +1,14 @@
 """The camera interface: a source of frames, each stamped once with its capture time."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
 Image = NDArray[np.uint8]
+Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]  # device, URL, video file, folder of images
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ EXPOSURE_TOLERANCE = 0.1
 
 
 class VideoCapture(Protocol):
-    """What is used of cv2.VideoCapture."""
+    """The part of cv2.VideoCapture that is used."""
 
     def isOpened(self) -> bool: ...
 
@@ -41,7 +41,7 @@ class VideoCapture(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class CameraState:
-    """What a camera does; None where it does not say so. Units as in CameraSettings."""
+    """The settings in force at a camera; None where it does not report one. Units as in CameraSettings."""
 
     size_px: tuple[int, int]
     fps: float | None = None
@@ -91,7 +91,7 @@ def _set_controls(capture: VideoCapture, settings: CameraSettings) -> None:
 
 
 def read_back(capture: VideoCapture, image: Image) -> CameraState:
-    """What the camera does, by its driver and by a picture of it (height, width[, 3])."""
+    """Read a camera's settings back from its driver and from a picture of it (height, width[, 3])."""
     height, width = image.shape[:2]
     fps = capture.get(cv2.CAP_PROP_FPS)
     state = CameraState((width, height), fps if math.isfinite(fps) and fps > 0 else None, _pixel_format(capture))

@@ -41,12 +41,12 @@ class DriverStamps:
 
     @property
     def trusted(self) -> bool:
-        """Whether frames may take their capture time from the driver."""
+        """Return whether frames may take their capture time from the driver."""
         return self._good >= FRAMES_TO_TRUST and not self._broken
 
     @property
     def undecided(self) -> bool:
-        """Whether more frames are needed to judge."""
+        """Return whether more frames are needed to judge."""
         return self._good < FRAMES_TO_TRUST and not self._broken
 
     def add(self, stamp_ns: int, arrival_ns: int) -> None:
@@ -109,7 +109,7 @@ class LiveCamera:
 
     @property
     def stamped_by_driver(self) -> bool:
-        """Whether capture times come from the driver."""
+        """Return whether capture times come from the driver."""
         return self._stamps.trusted
 
     def read(self) -> Frame | None:
@@ -199,7 +199,7 @@ class LiveCamera:
 
 
 def _is_picture(image: object, size_px: tuple[int, int] | None) -> TypeGuard[Image]:
-    """Whether this is (H, W) or (H, W, 3), uint8, and of the size."""
+    """Check that this is (H, W) or (H, W, 3), uint8, and of the size."""
     if not isinstance(image, np.ndarray) or image.dtype != np.uint8 or not image.size:
         return False
     is_grey, is_colour = image.ndim == 2, image.ndim == 3 and image.shape[2] == 3

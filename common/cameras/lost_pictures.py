@@ -1,4 +1,4 @@
-"""How many pictures live cameras have lost: counted by the process that reads them, read by others."""
+"""Counts of the pictures that live cameras have lost: kept by the process that reads them, read by others."""
 
 import mmap
 from collections.abc import Callable, Sequence
@@ -24,7 +24,7 @@ class LostPictures:
         return dict(zip(self.cameras, self._counts.tolist(), strict=True))
 
     def follow(self, name: str, camera: Camera) -> Callable[[], None]:
-        """What to call after each reading of a camera opened under this name: it counts what was lost since."""
+        """Return a function to call after each reading of the camera of this name; it counts the losses since."""
         row = self._counts[self.cameras.index(name) :]
         noted = 0
 

@@ -64,7 +64,7 @@ def parse_modes(listing: str) -> tuple[CameraMode, ...]:
 
 
 def describe_modes(device: str) -> str:
-    """What a device offers, in words; without v4l2-ctl, how to see it."""
+    """Describe the modes that a device offers; without v4l2-ctl, say how to list them."""
     modes = list_modes(device)
     if not modes:
         return f"see what it offers with: {PROGRAM} -d {device} --list-formats-ext (Debian: apt-get install v4l-utils)"

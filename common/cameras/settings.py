@@ -1,4 +1,4 @@
-"""What a camera is set to: size, rate, pixel format, exposure, gain, focus, and the latency of its time stamps."""
+"""Settings of a camera: size, rate, pixel format, exposure, gain, focus, and the latency of its time stamps."""
 
 from typing import Annotated, Any, Literal
 
@@ -15,7 +15,7 @@ Milliseconds = Annotated[float, Meta(ge=0, le=1000)]
 
 
 class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What is asked of a live camera, and verified; a value that is not given leaves the camera as it is.
+    """The settings asked of a live camera, and verified; a value that is not given leaves the camera as it is.
 
     Of a recording only `fps` counts. `gain` and `focus` are in the driver's own units. Raises ValueError for a width
     without a height.

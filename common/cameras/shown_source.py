@@ -20,5 +20,5 @@ def shown_source(source: int | str) -> str:
 
 
 def hides_part(source: int | str) -> bool:
-    """Whether a source has a part that is not shown, since it may hold a password."""
+    """Return whether a source has a part that is not shown, since it may hold a password."""
     return shown_source(source) != str(source)

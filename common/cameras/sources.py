@@ -2,12 +2,10 @@
 
 import math
 from pathlib import Path
-from typing import Annotated
 
 import cv2
-from msgspec import Meta
 
-from common.cameras.camera import Camera, Frame, Image
+from common.cameras.camera import Camera, Frame, Image, Source
 from common.cameras.images import ImageFolder
 from common.cameras.live import LiveCamera
 from common.cameras.settings import AS_IT_IS, CameraSettings
@@ -19,8 +17,6 @@ DEFAULT_FOLDER_FPS = 30.0
 MAX_STATED_FRAMES = 1e8  # more is what OpenCV makes of an index without a duration
 COUNTING_SUFFIXES = frozenset({".avi", ".mp4", ".m4v", ".mov"})  # of others OpenCV guesses the count by the duration
 USUALLY_MISSING = 0.01  # of the frames that a file states: an index may count one that was never written
-
-Source = Annotated[int, Meta(ge=0)] | Annotated[str, Meta(min_length=1)]
 
 
 def _as_image(array: object) -> Image:
@@ -57,7 +53,7 @@ class VideoFile:
         return frame
 
     def _describe_damage(self) -> str:
-        """What the file states and does not hold, as a sentence with the cure."""
+        """Describe what the file states and does not hold, as a sentence with the cure; empty if it is whole."""
         stated = self.stated_frames or 0
         if self._path.suffix.lower() not in COUNTING_SUFFIXES or stated - self._seq <= max(1, USUALLY_MISSING * stated):
             return ""
@@ -106,7 +102,7 @@ def recorded_fps(camera: Camera) -> float | None:
 
 
 def stated_frames(camera: Camera) -> int | None:
-    """How many frames a recording says it holds; None for a live camera, and where a file says nothing.
+    """Return how many frames a recording states; None for a live camera, and where a file states nothing.
 
     Of a folder the number is exact. A file's index may be damaged or guessed, so it is a hint.
     """
@@ -114,5 +110,5 @@ def stated_frames(camera: Camera) -> int | None:
 
 
 def damage_of(camera: Camera) -> str:
-    """What is wrong with a recording that has come to its end, as a sentence with the cure; else empty."""
+    """Describe what is wrong with a recording that has come to its end, as a sentence with the cure; else empty."""
     return camera.damage if isinstance(camera, VideoFile) else ""

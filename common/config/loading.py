@@ -127,7 +127,7 @@ def read_tables(path: Path | None) -> dict[str, Any]:
 
 
 def _is_deep(table: dict[str, Any]) -> bool:
-    """Whether tables and lists are within one another more often than any configuration has them."""
+    """Return whether tables and lists are nested deeper than in any configuration."""
     level: list[Any] = [table]
     for _ in range(MOST_DEPTH):
         level = [own for one in level for own in _within(one)]
@@ -154,7 +154,7 @@ def _take_from_beside(struct: type[msgspec.Struct], table: dict[str, Any], folde
 
 
 def _not_toml(path: Path, error: str) -> str:
-    """What the parser says, at its line, with the cure for what people do most."""
+    """Format the parser's error with its line, and with the cure for the most frequent mistakes."""
     match = TOML_PLACE.search(error)
     where = f"{path}:{match[1]}" if match else f"{path}"
     cure = next((cure for said, cure in TOML_CURES.items() if error.startswith(said)), "")
@@ -183,7 +183,7 @@ def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: li
 
 
 def _between_keys(path: KeyPath, said: str, fields: Container[str]) -> ConfigMistake:
-    """What a table says of its keys together, as a mistake of the key that the sentence begins with, if it does."""
+    """Build the mistake that a table reports of its keys together, at the key that its sentence begins with, if any."""
     found = OF_A_KEY.match(said)
     if found is not None and found[1] in fields:
         return ConfigMistake((*path, found[1]), said[found.end() :])
@@ -213,7 +213,7 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistak
 
 
 def _cure(expected: Any, value: Any, error: str) -> str:
-    """What may stand in the place of a value that `error` refuses."""
+    """Say what may stand in the place of a value that `error` refuses."""
     parts = list(_parts(expected))
     choices = [str(choice) for part in parts for choice in _choices(part)]
     if choices and isinstance(value, str) and (near := difflib.get_close_matches(value, choices, n=1)):
@@ -226,7 +226,7 @@ def _cure(expected: Any, value: Any, error: str) -> str:
 
 
 def _choices(part: Any) -> Iterable[Any]:
-    """What alone may stand for a type of words, none for any other type."""
+    """List the only values that an enum or a Literal allows; none for any other type."""
     if isinstance(part, type) and issubclass(part, Enum):
         return [member.value for member in part]
     return get_args(part) if get_origin(part) is Literal else ()

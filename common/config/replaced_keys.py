@@ -13,7 +13,7 @@ class Replacement:
 
     @property
     def sentence(self) -> str:
-        """What is wrong with the old key, and the cure."""
+        """The words after the old key: what replaces it, and the cure."""
         return f"is replaced by {self.key}: {self.how}"
 
 

@@ -1,4 +1,4 @@
-"""What a checker of types says of a configuration's value, in plain words with a cure; pure."""
+"""Plain words, with a cure, for what a checker of types says of a configuration's value; pure."""
 
 import re
 import tomllib
@@ -23,7 +23,7 @@ KINDS = {
 
 
 def in_plain_words(said: str, value: Any, meaning: str = "") -> str:
-    """What to give in place of a value that is refused; `meaning` is what its key says of it, with the unit."""
+    """Say what to give in place of a refused value; `meaning` is what its key says of it, with the unit."""
     found = SAID.fullmatch(said)
     if found is None:
         return said
@@ -45,7 +45,7 @@ def in_plain_words(said: str, value: Any, meaning: str = "") -> str:
 
 
 def _fits_without_quotes(text: str, wanted: Sequence[str]) -> bool:
-    """Whether a text in quotes would be of the type that is wanted without them."""
+    """Return whether a text in quotes would be of the wanted type without them."""
     try:
         value = tomllib.loads(f"value = {text}")["value"]
     except (ValueError, RecursionError):

@@ -27,7 +27,7 @@ class Serves(StrEnum):
 
 
 class Grant(NamedTuple):
-    """What may pass between this session and a neighbour: a flow, the kind of message, the key."""
+    """One permission between this session and a neighbour: a flow, the kind of message, the key."""
 
     flow: str
     message: str
@@ -81,7 +81,7 @@ def access_control(
 
 
 def grants(own: Role, neighbour: Role, cell: str, operators: Sequence[str]) -> Iterator[Grant]:
-    """What may pass between a session of one role and a neighbour of another, on the keys of these operators.
+    """Yield what may pass between a session of one role and a neighbour of another, on the keys of these operators.
 
     A router acts for every role.
     """

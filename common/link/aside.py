@@ -31,7 +31,7 @@ class Aside:
             raise error
 
     def forget(self) -> None:
-        """What the work found, or will find, does not matter any more."""
+        """Drop what the work found, or will find."""
         self._wanted = self._error = None
 
     def _do(self, work: Callable[[], object], token: object) -> None:

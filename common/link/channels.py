@@ -55,7 +55,7 @@ class Priority(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Keyed:
-    """What has a Zenoh key in a cell: `key` may contain {cell}, {operator} and {name}.
+    """A resource with a Zenoh key in a cell: `key` may contain {cell}, {operator} and {name}.
 
     A key with {operator} is that operator's alone: where there are certificates, only the certificate of that name
     passes on it, so that the key tells who sends.
@@ -65,7 +65,7 @@ class Keyed:
 
     @property
     def by_operator(self) -> bool:
-        """Whether every operator has a key of their own."""
+        """Return whether every operator has a key of their own."""
         return OPERATOR_CHUNK in self.key
 
     def key_for(self, cell: str, name: str = ANY, operator: str = ANY) -> str:

@@ -1,4 +1,4 @@
-"""How a site's links are protected: by certificates, or explicitly not at all."""
+"""Protection of a site's links: by certificates, or explicitly none."""
 
 from typing import Annotated
 
@@ -28,12 +28,12 @@ class TlsConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
     @property
     def is_given(self) -> bool:
-        """Whether certificates are configured."""
+        """Return whether certificates are configured."""
         return bool(self.ca)
 
 
 class LinkSecurity(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How links that leave this host are protected."""
+    """The protection of links that leave this host."""
 
     tls: TlsConfig = field(default_factory=TlsConfig)
     plain_text_beyond_loopback: Annotated[
@@ -46,7 +46,7 @@ class LinkSecurity(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
 
 class ViewersConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where viewers connect: with certificates of an authority that no other endpoint of the site trusts."""
+    """The endpoint for viewers: with certificates of an authority that no other endpoint of the site trusts."""
 
     listen: Annotated[str, Meta(description="tls/ endpoint for those who only watch; empty: nobody is let watch")] = ""
     tls: TlsConfig = field(default_factory=TlsConfig)
@@ -62,7 +62,7 @@ class ViewersConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     @property
     def security(self) -> LinkSecurity:
-        """How the links of viewers are protected."""
+        """The protection of the viewers' links."""
         return LinkSecurity(tls=self.tls)
 
 

@@ -119,7 +119,7 @@ def _authorities(tls: TlsConfig) -> set[bytes]:
 
 
 def _cure(bearer: Identity, wanted: Sequence[Identity]) -> str:
-    """What to change where a certificate of the right role is for another cell or operator, else nothing."""
+    """Say what to change where a certificate of the right role is for another cell or operator, else nothing."""
     same = next((identity for identity in wanted if identity.role is bearer.role), None)
     if same is None:
         return ""
@@ -129,7 +129,7 @@ def _cure(bearer: Identity, wanted: Sequence[Identity]) -> str:
 
 
 class CertificateValidity:
-    """Whether the certificate that a site started with is still valid: an open link may outlive it."""
+    """The validity of the certificate that a site started with: an open link may outlive it."""
 
     def __init__(self, tls: TlsConfig, table: str = TABLE) -> None:
         self._tls, self._table = tls, table
@@ -160,7 +160,7 @@ def common_name(certificate: Any) -> str:
 
 
 def verdict(error: ssl.SSLCertVerificationError) -> str:
-    """What is wrong with a certificate, as the end of a sentence."""
+    """Describe what is wrong with a certificate, as the end of a sentence."""
     return VERDICTS.get(error.verify_code, f"is refused: {error.verify_message}")
 
 

@@ -17,7 +17,7 @@ EVERYWHERE = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104  # recognised h
 
 @dataclass(frozen=True, slots=True)
 class Endpoint:
-    """Where to listen or to connect to."""
+    """An address to listen on or to connect to."""
 
     protocol: str
     host: str
@@ -25,17 +25,17 @@ class Endpoint:
 
     @property
     def is_loopback(self) -> bool:
-        """Whether its traffic stays on this host."""
+        """Return whether its traffic stays on this host."""
         return self.host in LOOPBACK
 
     @property
     def is_secured(self) -> bool:
-        """Whether both sides show certificates."""
+        """Return whether both sides show certificates."""
         return self.protocol in SECURED
 
     @property
     def is_quic(self) -> bool:
-        """Whether best-effort messages go in datagrams, so that none waits for a lost one before it."""
+        """Return whether best-effort messages go in datagrams, so that none waits for a lost one before it."""
         return self.protocol == "quic"
 
     @property
@@ -87,13 +87,13 @@ def check_free(endpoint: str, security: LinkSecurity) -> Endpoint:
 
 
 def stays_here(endpoint: str) -> bool:
-    """Whether the traffic of an endpoint stays on this host, unless somebody forwards its port."""
+    """Return whether the traffic of an endpoint stays on this host, unless somebody forwards its port."""
     match = ENDPOINT.fullmatch(endpoint)
     return match is not None and match[2].strip("[]") in LOOPBACK
 
 
 def from_this_host(endpoint: str) -> str:
-    """Where a program of this host reaches a listener: one on all interfaces includes the loopback interface."""
+    """Return where a program of this host reaches a listener: one on all interfaces includes the loopback interface."""
     match = ENDPOINT.fullmatch(endpoint)
     if match is None:
         return endpoint

@@ -39,7 +39,7 @@ class Copies:
         self._known: deque[bytes] = deque(maxlen=REMEMBERED)
 
     def is_copy(self, payload: bytes) -> bool:
-        """Whether this one has come lately; it counts as come now."""
+        """Return whether this payload came lately, and remember it."""
         if payload in self._known:
             return True
         self._known.append(payload)

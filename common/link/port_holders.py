@@ -34,7 +34,7 @@ def holder_of_device(path: Path) -> str:
 
 
 def is_ours(holder: str) -> bool:
-    """Whether a process by this name is one of Farhand's."""
+    """Return whether a process by this name is one of Farhand's."""
     return holder.startswith("farhand")
 
 

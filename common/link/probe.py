@@ -48,7 +48,7 @@ def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
 
 
 def speaks_tls(endpoint: Endpoint) -> bool:
-    """Whether the listener at the endpoint speaks TLS, False if no site listens."""
+    """Return whether the listener at the endpoint speaks TLS, False if no site listens."""
     try:
         return _detect_tls(endpoint) is True
     except OSError:
@@ -76,7 +76,7 @@ def identity_refusal(listener_name: str, endpoint: str, own: Identity) -> str | 
 
 
 def _detect_tls(endpoint: Endpoint) -> bool | None:
-    """Whether the listener answers invalid bytes with a TLS alert; None when it hangs up without an answer.
+    """Return whether the listener answers invalid bytes with a TLS alert; None when it hangs up without an answer.
 
     OSError when no site listens, or no answer comes in time.
     """

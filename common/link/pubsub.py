@@ -44,7 +44,7 @@ class Publisher(Generic[M]):
 
     @property
     def has_listener(self) -> bool:
-        """Whether this key has a subscriber now, as far as this session knows."""
+        """Return whether this key has a subscriber now, as far as this session knows."""
         return bool(self._publisher.matching_status.matching)  # type: ignore[attr-defined]  # its stub says bool
 
 
@@ -64,7 +64,7 @@ class Latest(Generic[M]):
 
     @property
     def depth(self) -> int:
-        """How many of the newest messages are kept."""
+        """The number of newest messages that are kept."""
         return self._channel.depth
 
     def take(self) -> M | None:

@@ -1,4 +1,4 @@
-"""Whether QUIC is blocked on the way where TLS comes through: a firewall that lets no UDP pass."""
+"""QUIC that is blocked on the way where TLS comes through: a firewall that lets no UDP pass."""
 
 import time
 from collections.abc import Callable
@@ -11,7 +11,7 @@ QUIC_ANSWERS = 20.0  # times as long as TLS took to answer: a lost packet of the
 
 
 def blocked_sentence(endpoint: Endpoint, *, was_up: bool) -> str:
-    """What is wrong, and the cure."""
+    """Say what is wrong, and the cure."""
     no = "no longer" if was_up else "not"
     return (
         f"{endpoint} answers by TLS, but {no} by QUIC: let UDP through to port {endpoint.port}, or write the "

@@ -17,7 +17,7 @@ class RateCap:
         self.flooded = False
 
     def pause_ns(self, now_ns: int) -> int:
-        """How long to wait before taking the next message, ns; call once per message, as it counts for `flooded`."""
+        """Return how long to wait before the next message, ns; call once per message, as it counts for `flooded`."""
         pause_ns = max(0, self._due_ns - self._tolerance_ns - now_ns)
         self._count(1 if pause_ns else -1)
         return pause_ns

@@ -24,7 +24,7 @@ class RecordClient:
 
 
 def reply_of_both(remote: Reply, local: Reply) -> Reply:
-    """What one site has taken is done; what neither takes is refused for the more telling reason."""
+    """Combine both replies: done if one site took it, else refused for the more telling reason."""
     done = [reply for reply in (remote, local) if reply.done]
     if len(done) == 1:
         return done[0]

@@ -46,7 +46,7 @@ class RemoteClock:
             return self._estimator.add(asked, answer.received_ns, answered, reply)
 
     def _doubts(self) -> bool:
-        """Whether this round of silence is one to ask for its reason."""
+        """Return whether to ask for the reason in this round of silence."""
         every, rounds = self._rounds_to_doubt, self.silent_rounds
         return every > 0 and (rounds % every == 0 or (not self._was_answered and rounds in EARLY_ROUNDS))
 

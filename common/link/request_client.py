@@ -32,7 +32,7 @@ class RequestMaker(Protocol[Requested_co]):
 
 
 class RequestSchedule:
-    """When a request is sent, sent again and given up; pure.
+    """The times at which a request is sent, sent again and given up; pure.
 
     It is sent at `due_ns`, every ATTEMPT_NS under the same `id`, and given up at `give_up_ns`, `patience_ns` after its
     start.
@@ -42,7 +42,7 @@ class RequestSchedule:
         self.id, self.due_ns, self.give_up_ns = number, now_ns, now_ns + patience_ns
 
     def is_over(self, now_ns: int) -> bool:
-        """Whether the deadline has passed."""
+        """Return whether the deadline has passed."""
         return now_ns >= self.give_up_ns
 
     def sent(self, now_ns: int) -> None:

@@ -1,4 +1,4 @@
-"""What Zenoh reads in the environment alone: its threads, and how long one waits for a connection that closes.
+"""Settings that Zenoh reads in the environment alone: its threads, and how long one waits for a closing connection.
 
 Closing a TCP or TLS connection, Zenoh waits until the other side has acknowledged what was sent last, for ten seconds
 if need be. It does so in a thread of which there is one for all connections that are accepted, with all of QUIC, one

@@ -1,4 +1,4 @@
-"""How many bytes wait in this host's TCP for a neighbour: what is put now is sent only after them."""
+"""Bytes that wait in this host's TCP for a neighbour: what is put now is sent only after them."""
 
 import errno
 import os
@@ -84,7 +84,7 @@ def _ends(link: zenoh.Link) -> Ends:
 
 
 def _info_of(own: OwnSocket) -> bytes | None:
-    """What the kernel tells of a connection; None where it is closed: another file may have its descriptor now."""
+    """Read what the kernel knows of a connection; None where it is closed: another file may have its descriptor now."""
     try:
         if os.fstat(own.descriptor).st_ino != own.inode:
             return None

@@ -26,7 +26,7 @@ PICTURES_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 24
 
 
 class Mode(StrEnum):
-    """What a session is to others: a peer speaks for itself, a client has all from a router, a router passes on."""
+    """The kind of a session: a peer speaks for itself, a client has all from a router, a router passes on."""
 
     PEER = "peer"
     CLIENT = "client"
@@ -35,7 +35,7 @@ class Mode(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class SessionEndpoints:
-    """Where a session listens and where it connects to; `send_buffer_bytes` None is the system's choice.
+    """The endpoints where a session listens and connects to; `send_buffer_bytes` None is the system's choice.
 
     TransportError when QUIC is to have a bounded buffer.
     """

@@ -1,4 +1,4 @@
-"""What sees each message as it passes a link, byte for byte, for a recorder; most links have none."""
+"""The tap of a link, which sees each message byte for byte as it passes, for a recorder; most links have none."""
 
 from typing import Protocol
 

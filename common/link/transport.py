@@ -165,15 +165,15 @@ class Link:
         return None
 
     def send_queues(self) -> SendQueues:
-        """What waits in this host on its way to the link's neighbours."""
+        """Return the queues that hold messages in this host on their way to the link's neighbours."""
         return SendQueues(self._session)
 
     def may_receive(self, channel: Channel[M]) -> bool:
-        """Whether our certificate's role may subscribe to the channel; without certificates every site may."""
+        """Return whether our certificate's role may subscribe to the channel; without certificates every site may."""
         return self._credentials is None or self._credentials.identity.role in channel.received_by
 
     def may_ask(self, procedure: Procedure[Q, R]) -> bool:
-        """Whether our certificate's role may ask this; without certificates every site may."""
+        """Return whether our certificate's role may ask this; without certificates every site may."""
         return self._credentials is None or self._credentials.identity.role in procedure.asked_by
 
     def check_connected(self) -> None:
@@ -193,7 +193,7 @@ class Link:
                 raise RefusedError(why)
 
     def why_silent(self) -> str:
-        """What may keep our certificate from being answered now where the link itself is up, else nothing.
+        """Say what may keep our certificate from being answered now where the link itself is up, else nothing.
 
         An operator was perhaps answered before: a name is taken off the list while its site runs.
         """
@@ -228,7 +228,7 @@ class Link:
         return ", ".join(map(str, self._outgoing))
 
     def is_up(self) -> bool:
-        """Whether one of our endpoints is connected now."""
+        """Return whether one of our endpoints is connected now."""
         links = self._session.info.links()
         return any(_leads_to(link, endpoint) for link in links for endpoint in self._outgoing)
 
@@ -269,7 +269,7 @@ def _declare(session: zenoh.Session, key: str, channel: Channel[Any]) -> zenoh.P
 
 
 def _leads_to(link: zenoh.Link, endpoint: Endpoint) -> bool:
-    """Whether protocol and port match; the host does not, as Zenoh reports its address instead of its name."""
+    """Return whether protocol and port match; the host is not compared: Zenoh reports its address, not its name."""
     destination = link.dst.partition("?")[0]
     return destination.startswith(f"{endpoint.protocol}/") and destination.endswith(f":{endpoint.port}")
 

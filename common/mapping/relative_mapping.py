@@ -33,7 +33,7 @@ class MappingLocks(Protocol):
 
 
 class MappingParameters(Protocol):
-    """What the remote site has configured, as its own table or as the description of its cell."""
+    """The remote site's settings of the mapping, as its own table or as the description of its cell."""
 
     @property
     def scale(self) -> float: ...
@@ -92,7 +92,7 @@ class RelativeMapping:
         return replace(settings, scale=min(max(settings.scale, least), most))
 
     def reference(self, sample: HandArm, hand_R_followed: Array | None) -> MappingReference | None:
-        """What the next targets count from, after that of `sample`; None where they depend on the tool too.
+        """Return what the next targets count from, after that of `sample`; None where they depend on the tool too.
 
         The target followed the orientation that the sample shows times `hand_R_followed` (3 x 3); None where it showed
         none that counted.

@@ -48,7 +48,7 @@ class RotationMapping:
         return self._base_R_unlocked
 
     def reference(self, hand_R_followed: Array | None) -> RotationReference:
-        """What the next targets count from, for hands that go on as shown: `hand_R_followed` (3 x 3) stays as it is.
+        """Return what the next targets count from, while hands go on as shown: `hand_R_followed` (3 x 3) stays fixed.
 
         It is the rotation from the followed to the shown orientation, None while the hand shows none.
         """

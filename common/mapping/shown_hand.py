@@ -1,4 +1,4 @@
-"""What a hand sample shows of the hand: the point that the tool copies, and the orientation; pure."""
+"""The hand as a sample shows it: the point that the tool copies, and the orientation; pure."""
 
 import math
 

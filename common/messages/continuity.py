@@ -16,7 +16,7 @@ class Continuity:
         self._broken = True
 
     def take(self, seq: int, *, is_picture: bool, key: bool) -> bool:
-        """Whether a message is of use: a status always, a picture if every one that it needs was taken."""
+        """Take a message; return whether it is of use: a status always, a picture if all that it needs were taken."""
         follows, self._seq = seq == self._seq + 1 and not self._broken, seq
         if is_picture and key:
             self._broken, self.wants_after = False, None

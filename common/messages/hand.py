@@ -9,7 +9,7 @@ from common.messages.base import Count, Covariance, Difference, Message, Name, T
 
 
 class TrackingStatus(StrEnum):
-    """How reliable a hand sample is."""
+    """The reliability of a hand sample."""
 
     INITIALISING = "initialising"
     TRACKED = "tracked"
@@ -52,7 +52,7 @@ class Locks(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
 
 class OperatorSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What the operator has set under one lease; every lease begins with these defaults.
+    """The operator's settings under one lease; every lease begins with these defaults.
 
     `lease` is its number, 0 without one. `revision` rises by one with each change, and when the operator takes new
     origins: settings only ever replace those of a lower revision. The scales multiply what the remote site has
@@ -79,7 +79,7 @@ class ClutchKey(StrEnum):
 
 
 class Intent(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What the operator's page or pedal reports: whether the hold-to-run key or pedal is down, and the settings.
+    """The report of the operator's page or pedal: whether the hold-to-run key or pedal is down, and the settings.
 
     `settings` is None from a sender that does not know those in force, or where they are in force already. `assist` is
     the target that was offered when the key of fine adjustment went down, None while it is not held. While `clutch` is

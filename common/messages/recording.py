@@ -1,4 +1,4 @@
-"""What a recorder does, as the site it records publishes it; frozen structs."""
+"""The state of a recorder, as the site it records publishes it; frozen structs."""
 
 from enum import StrEnum
 from typing import Annotated
@@ -19,7 +19,7 @@ class EpisodeOutcome(StrEnum):
 
 
 class RecordingState(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What a recorder does: whether it is `writing`, and the pictures of the operator with it (`operator_pictures`).
+    """The state of a recorder: whether it is `writing`, and the pictures of the operator with it (`operator_pictures`).
 
     With `on_request` the lease's holder may begin and end the recording. `episode` is the number of the one that is
     under way (`episode_open`) or was the last, 0 before the first; `task` and `outcome` are its own. `lost` counts what
@@ -43,6 +43,6 @@ class RecordingState(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw
 
 
 class RecordingNotice(Message, frozen=True):
-    """What the recorder of the local site does, for the console of the same host."""
+    """The state of the local site's recorder, for the console of the same host."""
 
     state: RecordingState

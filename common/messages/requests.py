@@ -19,7 +19,7 @@ PicturePoint = tuple[Fraction, Fraction]
 
 
 class Request(Message, frozen=True):
-    """What must take effect once: repeated with the same `id`, refused after `deadline_ns` by the server's clock."""
+    """A message that must act once: repeated with the same `id`, refused after `deadline_ns` by the server's time."""
 
     id: Count
     deadline_ns: Count
@@ -35,7 +35,7 @@ class Reply(Message, frozen=True):
 
 
 class EngagementAction(StrEnum):
-    """What to do with the engagement; a stop bars the next one until it is reset."""
+    """The action on the engagement; a stop bars the next one until it is reset."""
 
     ENGAGE = "engage"
     DISENGAGE = "disengage"
@@ -66,7 +66,7 @@ class StopRequest(Message, frozen=True):
 
 
 class LeaseAction(StrEnum):
-    """What a local site does with the remote site's lease."""
+    """A local site's action on the remote site's lease."""
 
     ACQUIRE = "acquire"
     RENEW = "renew"
@@ -99,7 +99,7 @@ class LeaseReply(Reply, frozen=True):
 
 
 class OperatorAction(StrEnum):
-    """What an operator requests of the local site: ask for the lease, hand it over to another operator, release it."""
+    """An operator's request of the local site: ask for the lease, hand it over to another operator, release it."""
 
     TAKE = "take"
     GIVE = "give"
@@ -125,7 +125,7 @@ class JointsRequest(Request, frozen=True):
 
 
 class RecordAction(StrEnum):
-    """What to do: begin or end recording; begin or end an episode; say of an episode how it went."""
+    """The action on a recording: begin or end it; begin or end an episode; say of an episode how it went."""
 
     START = "start"
     STOP = "stop"
@@ -148,11 +148,11 @@ class RecordRequest(Request, frozen=True):
 
 
 class ClockQuestion(Message, frozen=True):
-    """What time is it at the remote site?"""
+    """The question for the time at the remote site."""
 
 
 class ClockAnswer(Message, frozen=True):
-    """When the question was received and when it was answered, by the remote site's clock.
+    """The times at which the question was received and answered, by the remote site's clock.
 
     `ahead_ns` is by how much that host's steady time was ahead of the clock then (`common/steady_time.py`).
     """
@@ -163,7 +163,7 @@ class ClockAnswer(Message, frozen=True):
 
 
 class TroubleReport(Message, frozen=True):
-    """What an operator's site finds wrong with the link, for the remote site's log."""
+    """A problem with the link that an operator's site found, for the remote site's log."""
 
     reason: Text
 
@@ -173,7 +173,7 @@ class TroubleNoted(Message, frozen=True):
 
 
 class DescribeQuestion(Message, frozen=True):
-    """What is this cell?"""
+    """The question for the description of this cell."""
 
 
 class JointDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -214,7 +214,7 @@ class CameraDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
 
 
 class MappingDescription(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """How the hand's motion becomes the tool's, as configured.
+    """The mapping of the hand's motion to the tool's, as configured.
 
     The tool copies the `point` of the hand, `scale` times; with what the operator sets, the product stays within
     `scale_range`. `base_R_operator` is row by row; `locks` are the motions that are never copied.

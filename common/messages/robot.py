@@ -136,7 +136,7 @@ class RotationReference(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
 
 
 class MappingReference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What the tool's targets count from, after that of one hand sample: from it later targets can be computed.
+    """The reference of the tool's targets, after that of one hand sample: from it later targets can be computed.
 
     `session` and `seq` name the sample; `revision` is that of the settings under which it counts. `offset` is where the
     target would be for a hand at the operator frame's origin, m in the base's frame, outside the box too.
@@ -178,7 +178,7 @@ class LeaseState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Readiness(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Whether the arm could be engaged now; the sentence states what is missing. `held`: key or pedal is held."""
+    """The arm's readiness to be engaged now; the sentence states what is missing. `held`: key or pedal is held."""
 
     ready: bool
     code: Name
@@ -227,7 +227,7 @@ class VideoTrouble(StrEnum):
 
 
 class VideoLink(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What keeps pictures from coming all and in time: what is carried, what all would need, and why, with its cure."""
+    """The reason why pictures are late or missing: what is carried, what all would need, and why, with its cure."""
 
     carries_mbit_s: float
     needs_mbit_s: float
@@ -236,7 +236,7 @@ class VideoLink(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class AssistPhase(StrEnum):
-    """Whether the robot adjusts the tool's pose by itself, or offers to."""
+    """The phase of fine adjustment: whether the robot adjusts the tool's pose by itself, or offers to."""
 
     OFF = "off"
     OFFERED = "offered"
@@ -261,7 +261,7 @@ class AssistTarget(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_o
 
 
 class AssistState(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """What fine adjustment offers or does, or why it does neither; `target` is None while no marker is known."""
+    """The state of fine adjustment: what it offers or does, or why neither; `target` is None without a known marker."""
 
     phase: AssistPhase
     code: Name

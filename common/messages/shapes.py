@@ -1,4 +1,4 @@
-"""What is known of the shapes of a cell: the arm's as capsules, its fixtures as boxes, the gripper's opening."""
+"""Known shapes of a cell: the arm's as capsules, its fixtures as boxes, the gripper's opening."""
 
 from typing import Annotated
 

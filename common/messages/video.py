@@ -13,7 +13,7 @@ RateHz = Annotated[float, msgspec.Meta(ge=0, le=1e6)]
 
 
 class CameraStatus(StrEnum):
-    """Whether a camera shows the cell as it is now."""
+    """The state of a camera: whether it shows the cell as it is now."""
 
     LIVE = "live"
     DARK = "dark"
@@ -23,7 +23,7 @@ class CameraStatus(StrEnum):
 
 
 class Codec(StrEnum):
-    """How a picture is compressed: each for itself, or as H.264 (Annex B, parameter sets in every key frame)."""
+    """The compression of pictures: each for itself, or as H.264 (Annex B, parameter sets in every key frame)."""
 
     JPEG = "jpeg"
     H264 = "h264"
@@ -73,7 +73,7 @@ class ViewShown(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
 
 class ViewsShown(Message, frozen=True):
-    """What the operator's console shows, at 10 Hz, so that the remote site sends only as much as arrives in time.
+    """The pictures that a console shows, at 10 Hz, so that the remote site sends only as much as arrives in time.
 
     `session` is a random number chosen at each start of the console, `lease` the number of its operator's lease, 0
     without one; `h264` is whether the page that operates decodes H.264. `waited_ms` is for how long the console has

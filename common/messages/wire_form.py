@@ -66,7 +66,7 @@ def _correlation(covariance: float, product: float) -> int:
 
 @dataclass(frozen=True, slots=True)
 class WireForm:
-    """How values of one type travel: `pack` gives what MessagePack holds, `unpack` what msgspec validates.
+    """The wire form of one type's values: `pack` gives what MessagePack holds, `unpack` what msgspec validates.
 
     `unpack` raises MessageError for a wrong shape, and leaves types and bounds to msgspec.
     """

@@ -7,7 +7,7 @@ from msgspec import Meta
 
 
 class MetricsConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where Prometheus scrapes this site: on its own host only."""
+    """The endpoint where Prometheus scrapes this site: on its own host only."""
 
     port: Annotated[int, Meta(ge=0, le=65535, description="on 127.0.0.1; 0 serves no figures")] = 0
 

@@ -48,7 +48,7 @@ def _show(kind: type[BaseException], error: BaseException | None, trace: Traceba
 
 
 class LogFormat(StrEnum):
-    """How a daemon writes its log: `text` is level=... event=... key=value, `json` an object per line."""
+    """The format of a daemon's log: `text` is level=... event=... key=value, `json` an object per line."""
 
     TEXT = "text"
     JSON = "json"
@@ -78,7 +78,7 @@ def start_log(site: str, log_format: LogFormat = LogFormat.TEXT) -> None:
 
 
 def log_summary(sentences: Mapping[str, str]) -> None:
-    """What a run was like, a line for each sentence by its name, before the last line."""
+    """Log what a run was like, a line for each sentence by its name, before the last line."""
     for name, sentence in sentences.items():
         structlog.get_logger().info("summary", **{name: sentence})
 
@@ -137,7 +137,7 @@ def _log_thread() -> LogThread:
 
 
 def _is_journal() -> bool:
-    """Whether systemd reads standard error: it names the device and inode of what it has connected to the journal."""
+    """Return whether systemd reads standard error: it names device and inode of what it connected to the journal."""
     stream = os.fstat(STANDARD_ERROR)
     return os.environ.get("JOURNAL_STREAM") == f"{stream.st_dev}:{stream.st_ino}"
 

@@ -43,7 +43,7 @@ def gauge(name: str, meaning: str, value: float) -> GaugeMetricFamily:
 
 
 def lost_pictures(lost: Mapping[str, int]) -> CounterMetricFamily:
-    """What each camera of a site has lost, by its name."""
+    """Build the metric of the pictures that each camera of a site has lost, by its name."""
     family = CounterMetricFamily("farhand_camera_lost_pictures", "Pictures that did not come whole", labels=["camera"])
     for camera, count in lost.items():
         family.add_metric([camera], count)

@@ -13,7 +13,7 @@ MOST_BYTES = 128
 
 
 class QueuedTime:
-    """How long the thread that makes this has waited so far; for ever 0 where the kernel does not count it."""
+    """The time that the creating thread has waited so far; for ever 0 where the kernel does not count it."""
 
     def __init__(self, counts: Path = QUEUED) -> None:
         self._counts: int | None = None

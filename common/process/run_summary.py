@@ -1,4 +1,4 @@
-"""What a run was like, in three sentences: how long, engaged, held and why, stopped, and the worst of it; pure."""
+"""Summary of a run in three sentences: how long, engaged, held and why, stopped, and the worst of it; pure."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -66,7 +66,7 @@ class RunSummary:
             self.worst.note(state)
 
     def sentences(self) -> dict[str, str]:
-        """What to say at the end, each by its name; what there is nothing to say of is left out."""
+        """Return the sentences to say at the end, each by its name; what there is nothing to say of is left out."""
         return dict(self._sentences())
 
     def _sentences(self) -> Iterator[tuple[str, str]]:

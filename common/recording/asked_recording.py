@@ -11,7 +11,7 @@ from common.recording.session import Preamble, RecordingSession
 
 
 class AskedRecording:
-    """What both sites' recorders have in common; a recording that ended with an alarm waits for the next request."""
+    """The part that both sites' recorders share; a recording that ended with an alarm waits for the next request."""
 
     def __init__(self, config: RecordConfig, recording: GuardedRecording, *, operator_pictures: bool = False) -> None:
         self._config, self._recording, self._operator_pictures = config, recording, operator_pictures
@@ -21,22 +21,22 @@ class AskedRecording:
 
     @property
     def is_on_request(self) -> bool:
-        """Whether nothing is recorded until it is asked for."""
+        """Return whether nothing is recorded until it is asked for."""
         return self._config.start is StartPolicy.ON_REQUEST
 
     @property
     def is_writing(self) -> bool:
-        """Whether a recording is under way."""
+        """Return whether a recording is under way."""
         return self._recording.session is not None
 
     @property
     def is_due(self) -> bool:
-        """Whether a recording has to begin now."""
+        """Return whether a recording has to begin now."""
         return self._wanted and not self.is_writing and not self._recording.alarm
 
     @property
     def is_over(self) -> bool:
-        """Whether the recording under way has to end now."""
+        """Return whether the recording under way has to end now."""
         return self.is_writing and not self._wanted
 
     def begin(self, preamble: Preamble, now_ns: int) -> None:
@@ -45,7 +45,7 @@ class AskedRecording:
         self._recording.begin(preamble, now_ns)
 
     def obey(self, action: RecordAction, by: str, now_ns: int, task: str, outcome: EpisodeOutcome, note: str) -> None:
-        """What an operator asks for; a begin and an end are due then, of which the recorder takes care."""
+        """Take an operator's request; a begin or an end is due then, and the recorder carries it out."""
         if action is RecordAction.START:
             self._wanted, self._recording.alarm = True, ""
         elif action is RecordAction.STOP:
@@ -59,7 +59,7 @@ class AskedRecording:
         self._wanted = not self.is_on_request
 
     def follow(self, session: RecordingSession, *, engaged: bool, t_ns: int) -> None:
-        """Whether the arm is engaged at this time, a short hold included."""
+        """Note whether the arm is engaged at this time, a short hold included."""
         _add(session, self._episodes.follow(engaged=engaged, t_ns=t_ns))
 
     def write(self, write: Write) -> None:
@@ -77,7 +77,7 @@ class AskedRecording:
             self._recording.end(lambda session: _add(session, self._episodes.finish(now_ns)))
 
     def state(self, lost: int) -> RecordingState:
-        """What the recorder does; `lost` counts what it was too slow to take."""
+        """Return the recorder's state; `lost` counts what it was too slow to take."""
         episodes, session = self._episodes, self._recording.session
         return RecordingState(
             writing=self.is_writing,

@@ -12,7 +12,7 @@ class AwaitedSite:
         self._is_there: bool | None = None
 
     def note(self, *, is_there: bool) -> None:
-        """Whether the site is there now."""
+        """Note whether the site is there now, and log a change."""
         if is_there is self._is_there:
             return
         self._is_there = is_there

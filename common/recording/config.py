@@ -8,21 +8,21 @@ from msgspec import Meta
 
 
 class StartPolicy(StrEnum):
-    """What begins a recording: the recorder's own start, or the lease's holder."""
+    """The cause that begins a recording: the recorder's own start, or the lease's holder."""
 
     AT_ONCE = "at_once"
     ON_REQUEST = "on_request"
 
 
 class EpisodeBounds(StrEnum):
-    """What begins and ends an episode: each engagement by itself, or requests alone."""
+    """The cause that begins and ends an episode: each engagement by itself, or requests alone."""
 
     ENGAGEMENT = "engagement"
     REQUESTS = "requests"
 
 
 class RecordConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the recorder of a site keeps; nothing is recorded unless one is started."""
+    """The settings of a site's recorder; nothing is recorded unless one is started."""
 
     start: Annotated[
         StartPolicy, Meta(description="at_once: while the recorder runs; on_request: the lease's holder begins it")
@@ -42,7 +42,7 @@ class RecordConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
 
 class OperatorRecordConfig(RecordConfig, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the recorder of a local site keeps."""
+    """The settings of a local site's recorder."""
 
     operator_pictures: Annotated[
         bool, Meta(description="the operator's views too, as the page shows them; the page's mark says so")

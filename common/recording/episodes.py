@@ -61,11 +61,11 @@ class Episodes:
         return self._task if self.is_open else self.task
 
     def lasted_ns(self, now_ns: int) -> int:
-        """How long the episode under way has lasted by now, or the last one did; 0 before the first."""
+        """Return how long the episode under way has lasted by now, or the last one did, ns; 0 before the first."""
         return max(0, (now_ns if self.is_open else self._ended_ns) - self._begun_ns)
 
     def follow(self, *, engaged: bool, t_ns: int) -> list[EpisodeEvent]:
-        """Whether the arm is engaged now, a short hold included; the events that follow from it."""
+        """Note whether the arm is engaged now, a short hold included; return the events that follow from it."""
         changed, self._engaged = engaged is not self._engaged, engaged
         if not changed or self.bounds is not EpisodeBounds.ENGAGEMENT:
             return []
@@ -76,7 +76,7 @@ class Episodes:
     def act(
         self, action: RecordAction, by: str, t_ns: int, task: str, outcome: EpisodeOutcome, note: str
     ) -> list[EpisodeEvent]:
-        """What an operator asks for; without effect there is no event."""
+        """Do what an operator asks for; return its events, none without effect."""
         self.task = task or self.task
         if action is RecordAction.BEGIN:
             return self._begin(t_ns, by)

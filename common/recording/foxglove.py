@@ -48,7 +48,7 @@ def pose_in_frame(t_ns: int, frame: str, frame_T_body: Array) -> bytes:
 
 
 def frame_transform(t_ns: int, parent: str, child: str, parent_T_child: Array) -> bytes:
-    """Where a frame is (4 x 4) in another, m."""
+    """Encode where a frame is (4 x 4) in another, m."""
     pose = _pose(parent_T_child)
     return _bytes(
         FrameTransform(

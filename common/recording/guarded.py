@@ -60,7 +60,7 @@ class GuardedRecording:
 
 
 def _why(error: Exception) -> str:
-    """What ended a recording, with what to do."""
+    """Say what ended a recording, and what to do."""
     if isinstance(error, OSError):
         return f"{error.strerror}; free some space, and start it again"
     if isinstance(error, struct.error):

@@ -1,4 +1,4 @@
-"""What a hand sample shows, for either site's recording: its points with covariances, and the offset of the clocks."""
+"""Topics of either site's recording that show the hand: its points with covariances, and the offset of the clocks."""
 
 from functools import lru_cache
 

@@ -31,7 +31,7 @@ class TakenTopics:
         self._is_full = False
 
     def take(self, topic: Topic) -> bool:
-        """Whether the file has this topic, or takes it now."""
+        """Add a topic that the file does not have yet; return False where it has no room for it."""
         if topic.name in self._names:
             return True
         size = topic.named_bytes + (0 if topic.schema in self._schemas else topic.schema.described_bytes)
@@ -73,7 +73,7 @@ class FileOutput:
         return self.size
 
     def flush(self) -> None:
-        """What was written is the kernel's already."""
+        """Do nothing: what was written is the kernel's already."""
 
     def sync(self) -> None:
         """Have it on the disk too, so that a power cut loses no more."""
@@ -84,7 +84,7 @@ class FileOutput:
 
 
 def is_being_written(file: IO[bytes]) -> bool:
-    """Whether a recorder has this file open; else it stays as it is as long as `file` is open."""
+    """Return whether a recorder has this file open; else no recorder changes it as long as `file` is open."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

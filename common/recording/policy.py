@@ -1,4 +1,4 @@
-"""What a recorder may be asked, whoever asks: the same at both sites; pure."""
+"""Rules of what a recorder may be asked, whoever asks: the same at both sites; pure."""
 
 from enum import StrEnum
 

@@ -99,7 +99,7 @@ class RecordingReader:
 
     @property
     def epoch_minus_clock_ns(self) -> int:
-        """What turns its times into ns since 1970, UTC."""
+        """The offset that turns its times into ns since 1970, UTC."""
         return self._epoch_ns
 
     def messages(
@@ -171,7 +171,7 @@ def as_recorded(path: Path) -> Iterator[None]:
 
 
 def epoch_in(table: Mapping[str, str]) -> int:
-    """What turns a recording's times into ns since 1970, by its table of the clock; ValueError for a damaged one."""
+    """Read what turns a recording's times into ns since 1970 from its table of the clock; ValueError if damaged."""
     words = table.get(EPOCH_KEY, "")
     if not words.removeprefix("-").isdecimal() or len(words) > 20 or abs(int(words)) >= MOST_TIME_NS:
         raise ValueError("its table of the clock is damaged, so that no message of it has a time")

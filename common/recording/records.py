@@ -39,7 +39,7 @@ def next_head(file: IO[bytes], start: int, size: int) -> RecordHead | None:
 
 
 def content_of(file: IO[bytes], head: RecordHead) -> bytes:
-    """What is in a record; ValueError for one that is larger than any that a recorder writes."""
+    """Read what is in a record; ValueError for one that is larger than any that a recorder writes."""
     if head.length > MOST_RECORD_BYTES:
         raise ValueError(f"a record of {head.length >> 20} MB; a recorder writes at most {MOST_RECORD_BYTES >> 20}")
     file.seek(head.start + RECORD_HEADER.size)
@@ -47,7 +47,7 @@ def content_of(file: IO[bytes], head: RecordHead) -> bytes:
 
 
 def record_at(file: IO[bytes], opcode: int, start: int, size: int) -> bytes:
-    """What is in the record of this kind that begins there; ValueError where the file has none."""
+    """Read the record of this kind that begins there; ValueError where the file has none."""
     head = next_head(file, start, size) if start < size else None
     if head is None or head.opcode != opcode:
         raise ValueError(f"its index names a record at byte {start}, where there is none")

@@ -39,7 +39,7 @@ MESSAGE_INDEX = struct.Struct("<BQHI")  # a record's head, its channel, and the 
 
 
 class Repaired(NamedTuple):
-    """What a repair found: messages and seconds that are whole, and the bytes that had to be cut; none if it was."""
+    """The outcome of a repair: messages and seconds that are whole, and the bytes that were cut, 0 if none were."""
 
     was_whole: bool
     messages: int

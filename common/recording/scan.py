@@ -40,7 +40,7 @@ INDEX_ROW_BYTES = 16  # when a message is, and where
 
 @dataclass
 class FileIndex:
-    """What is in the data section of a file, as the summary at its end lists it.
+    """The contents of a file's data section, as the summary at its end lists them.
 
     `described_bytes` are those of schemas, channels and names; `end` is where its last whole record ends; `unindexed`
     are the indexes that the last chunk lacks there: by channel, time and place of each message in turn.

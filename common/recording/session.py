@@ -22,7 +22,7 @@ EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 @dataclass(frozen=True, slots=True)
 class RecordingPlan:
-    """Where a recording goes: its folder and cell, or one `file` of a given name, which is never split.
+    """The place of a recording: its folder and cell, or one `file` of a given name, which is never split.
 
     `software` names who writes it.
     """
@@ -55,7 +55,7 @@ class RecordingSession:
 
     @property
     def size_bytes(self) -> int:
-        """What all its files hold, without what came since the last flush."""
+        """The size of all its files, without what came since the last flush."""
         return self._finished_bytes + self._file.size
 
     def since_1970_ns(self, t_ns: int) -> int:

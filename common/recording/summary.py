@@ -1,4 +1,4 @@
-"""What the end of a recording says of it: its topics, its chunks, where its tables and documents are; checked."""
+"""Summary at the end of a recording: its topics, its chunks, where its tables and documents are; checked."""
 
 import struct
 import zlib
@@ -48,7 +48,7 @@ class ChunkPlace(NamedTuple):
 
 @dataclass
 class FileSummary:
-    """What is in a file whose length is `size`; times in ns since the epoch of the file."""
+    """The contents of a file whose length is `size`; times in ns since the epoch of the file."""
 
     size: int
     topics: dict[int, str] = field(default_factory=dict)
@@ -60,7 +60,7 @@ class FileSummary:
 
     @property
     def count(self) -> int:
-        """How many messages there are."""
+        """The number of messages."""
         return sum(self.counts.values())
 
     def table(self, file: IO[bytes], name: str) -> dict[str, str]:
@@ -115,7 +115,7 @@ def read_summary(file: IO[bytes]) -> FileSummary:
 
 
 def _summary_begin(file: IO[bytes], size: int) -> int:
-    """Where the summary begins, by the footer; its check sum is right."""
+    """Find where the summary begins, by the footer; ValueError where the end of the file is damaged."""
     at = size - len(MAGIC) - FOOTER_BYTES
     if at < len(MAGIC):
         raise ValueError("it is too short")

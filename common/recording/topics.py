@@ -1,4 +1,4 @@
-"""What is kept under one name in a recording: its encoding, its schema, and what a reader should know of it."""
+"""A topic of a recording: its encoding, its schema, and what a reader should know of it."""
 
 from dataclasses import dataclass, field
 from enum import Enum
@@ -43,7 +43,7 @@ class MessageSchema:
 
     @property
     def described_bytes(self) -> int:
-        """What it takes in a file."""
+        """The bytes that it takes in a file."""
         return len(f"{self.name}{self.encoding}".encode()) + len(self.data)
 
 
@@ -63,7 +63,7 @@ class Topic:
 
     @property
     def named_bytes(self) -> int:
-        """What its name and words take in a file."""
+        """The bytes that its name and words take in a file."""
         words = (self.name, self.encoding, *self.about, *self.about.values())
         return sum(len(word.encode()) for word in words)
 

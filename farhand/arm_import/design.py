@@ -57,7 +57,7 @@ class Design:
 
     @property
     def jerk(self) -> float:
-        """What counts for them, rad/s³."""
+        """The jerk that counts for them, rad/s³."""
         written = {joint.name: joint.limit.jerk for joint in self.prepared.joints}
         return min((written[name] or 0.0 for name in self.without_jerk), default=0.0)
 

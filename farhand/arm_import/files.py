@@ -1,4 +1,4 @@
-"""Where an import writes, and what it may replace there: files that an earlier import wrote and nobody changed."""
+"""Files of an import, and what it may replace: files that an earlier import wrote and nobody changed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -35,12 +35,12 @@ class PreparedArm:
         return tuple(joint for joint in self.robot.joints if joint.name in moving)
 
     def has_meshes(self, link: str) -> bool:
-        """Whether a link of the file has collision meshes."""
+        """Return whether a link of the file has collision meshes."""
         return any(isinstance(shape.geometry, UrdfMesh) for shape in self.arm.description.links[link].collisions)
 
     @property
     def locked(self) -> tuple[Locked, ...]:
-        """What does not move."""
+        """The joints that do not move."""
         return self.arm.locked
 
 

@@ -36,7 +36,7 @@ def local_at(endpoint: str) -> AskedSite:
 
 
 def no_answer(whom: str, *sites: AskedSite) -> str:
-    """What to say, and to check, where none of these sites answers for a cell."""
+    """Say what to check where none of these sites answers for a cell."""
     where = " or ".join(site.endpoint for site in sites)
     commands = " or ".join(f"'{site.command}'" for site in sites)
     options = ", and ".join(site.named_by for site in sites)
@@ -80,7 +80,7 @@ def _first_up(stack: ExitStack, link: Link) -> Link:
 
 
 def _comes_up(within_s: float, *links: Link) -> bool:
-    """Whether one of them is up in time."""
+    """Wait until one of the links is up; return whether it is in time."""
     give_up_s = time.monotonic() + within_s
     while not (is_up := any(link.is_up() for link in links)) and time.monotonic() < give_up_s:
         time.sleep(POLL_S)

@@ -25,7 +25,7 @@ def seen_state(cell: str, endpoint: str, security: LinkSecurity = ON_THIS_HOST) 
 
 
 def readiness_words(state: RobotState) -> str:
-    """Whether the arm may be engaged, and why not."""
+    """Say whether the arm may be engaged, and why not."""
     return f"{'ready' if state.readiness.ready else 'not ready'} ({state.readiness.code}): {state.readiness.reason}"
 
 

@@ -25,7 +25,7 @@ def request_record(
     note: str = "",
     security: LinkSecurity = ON_THIS_HOST,
 ) -> str:
-    """What the sites at these endpoints reply to an operator; TransportError when neither takes it."""
+    """Ask the sites at these endpoints for an operator; return the reply, TransportError when neither takes it."""
     name = check_cell_name(operator, "operator")
     with link_to(cell, remote_at(remote), local_at(local), security=security) as link:
         ask_remote = RequestClient(link, cell, RemoteClock(link, cell), operator=name)

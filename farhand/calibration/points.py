@@ -72,7 +72,7 @@ def solvable() -> Iterator[None]:
 
 
 def doubts(rig: Rig) -> list[str]:
-    """What looks wrong with a rig although it could be solved."""
+    """List what looks wrong with a rig although it could be solved."""
     sentences = [
         f"{camera.name} is off by {camera.reprojection_rms_px:.1f} px, far more than usual: "
         "check the plate's sizes and heights, and whether a point is wrong"
@@ -87,7 +87,7 @@ def doubts(rig: Rig) -> list[str]:
 
 
 def _odd(calibrated: CameraCalibration) -> Iterator[str]:
-    """What is odd about a camera's position and its pixels."""
+    """Yield what is odd about a camera's position and its pixels."""
     camera = decomposed(calibrated.matrix)
     if camera is None:
         return

@@ -43,7 +43,7 @@ def load_authority(folder: Path, authority: CertificateAuthority = SITES) -> Iss
 
 
 def has_authority(folder: Path, authority: CertificateAuthority) -> bool:
-    """Whether the folder keeps the authority's key."""
+    """Return whether the folder keeps the authority's key."""
     return (folder / f"{authority.stem}.key").exists()
 
 

@@ -142,7 +142,7 @@ def _issue(folder: Path, pair: Pair, hosts: Sequence[str], order: CertificateOrd
 
 
 def _always(cell: str) -> list[Pair]:
-    """What every cell has: viewers, and the listener that they connect to, have an authority of their own."""
+    """List the pairs of every cell: viewers, and the listener that they connect to, have an authority of their own."""
     return [
         Pair("remote", Identity(Role.REMOTE, cell)),
         Pair("maintenance", Identity(Role.MAINTENANCE, cell)),

@@ -1,4 +1,4 @@
-"""What to do with certificates that have just been made, in words."""
+"""Guidance on certificates that have just been made, in words."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from farhand.certificates.folder import CertificateOrder
 
 
 def guidance(folder: Path, order: CertificateOrder) -> str:
-    """What to do with the new files."""
+    """Say what to do with the new files."""
     cell, theirs, names = order.cell, folder / order.cell, order.operators or ("NAME",)
     where = order.hosts[0] if order.hosts else "127.0.0.1"
     made = ["remote", "maintenance", *(f"operator.{name}" for name in order.operators), "viewer", "viewers-remote"]

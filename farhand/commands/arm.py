@@ -52,7 +52,7 @@ def import_command(
     Example: farhand arm import panda.urdf --tool panda_hand_tcp --out panda.toml
     """
     from farhand.arm_import.description.packages import packages_given, search_path
-    from farhand.arm_import.run import ImportRequest, import_arm
+    from farhand.arm_import.import_arm import ImportRequest, import_arm
 
     request = ImportRequest(
         urdf,

@@ -167,8 +167,8 @@ def calibrate_latency_command(
     from common.errors import CalibrationError
     from common.host_clock import MonotonicClock
     from farhand.calibration.cameras import configured_cameras
+    from farhand.calibration.latency.measuring import as_builtins, describe, measure, open_for_latency, watch_screen
     from farhand.calibration.latency.page import PatternPage
-    from farhand.calibration.latency.run import as_builtins, describe, measure, open_for_latency, watch_screen
     from farhand.calibration.pictures import by_name
 
     sources = by_name((left, right, third, fourth))

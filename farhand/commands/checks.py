@@ -45,7 +45,7 @@ def doctor(
     Example: farhand doctor --config /etc/farhand/local.toml
     """
     from farhand.doctor import findings
-    from farhand.doctor.run import examine, examine_link_of
+    from farhand.doctor.examination import examine, examine_link_of
 
     found = (examine_link_of if link else examine)(config, settings or ())
     tell(findings.as_text(found).splitlines(), findings.as_builtins(found), as_json=as_json)

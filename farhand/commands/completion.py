@@ -23,7 +23,7 @@ def tracker_names(incomplete: str) -> list[str]:
 
 
 def motion_names(incomplete: str) -> list[str]:
-    """What the simulated operator can do."""
+    """List the motions of the simulated operator that begin so."""
     from local_site.simulation.config import MotionName
 
     return _beginning(incomplete, get_args(MotionName))

@@ -36,7 +36,7 @@ def lerobot(
     from farhand.export.installed import check_installed
 
     check_installed()
-    from farhand.export.lerobot.run import ExportSettings, export_lerobot
+    from farhand.export.lerobot.dataset_export import ExportSettings, export_lerobot
     from farhand.export.recording import open_sessions
 
     settings = ExportSettings(out, fps, tuple(view or ()), task)

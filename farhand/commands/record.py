@@ -56,7 +56,7 @@ def record(
     """
     if context.invoked_subcommand is not None:
         return
-    from farhand.recording.run import run_recorder
+    from farhand.recording.site_recorder import run_recorder
 
     run_recorder(config, settings or (), out, file, lambda: datetime.now(UTC), until_signal(), log_format)
 

@@ -23,7 +23,7 @@ def setup(
     from common.host_clock import MonotonicClock
     from farhand.setup.conversation import TerminalPerson
     from farhand.setup.finding_cameras import find_devices
-    from farhand.setup.run import Tools, set_up
+    from farhand.setup.steps import Tools, set_up
     from farhand.setup.trial import views_for
     from farhand.terminal import progress_bar
 

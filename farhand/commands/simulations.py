@@ -77,9 +77,9 @@ def loopback(
     Example: farhand loopback --seconds 30 --config remote.toml --set driver.name=kinematic
     """
     from farhand.deployment.shipped import configuration_files
+    from farhand.loopback.measured_run import run_loopback
     from farhand.loopback.page_port import show_page
     from farhand.loopback.plan import LoopbackOptions
-    from farhand.loopback.run import run_loopback
 
     files = tuple(file for each in config or () for file in configuration_files(each))
     given = files, (*(settings or ()), *emulation(emulate))

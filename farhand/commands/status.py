@@ -34,7 +34,7 @@ def status(
     """
     from rich.console import Console
 
-    from farhand.status.run import print_status, show_status
+    from farhand.status.watch import print_status, show_status
 
     links = console_config(config, cell=cell, control=at, video=video)
     if as_json:

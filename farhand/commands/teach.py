@@ -35,7 +35,7 @@ def extract(
     """
     from farhand.outputs import check_new_file, write_result
     from farhand.teach.extraction import extracted
-    from farhand.teach.run import frame_from
+    from farhand.teach.task_run import frame_from
     from farhand.teach.writing import as_toml
 
     check_new_file("--out", out, [file])
@@ -91,7 +91,7 @@ def run(
 
     Example: farhand teach run task.toml --config local.toml --speed 0.5
     """
-    from farhand.teach.run import frame_from, run_task
+    from farhand.teach.task_run import frame_from, run_task
     from local_site.config import LocalConfig
 
     local = load_own(LocalConfig, config, settings or ())

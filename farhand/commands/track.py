@@ -75,8 +75,8 @@ def track(
     Example: farhand track --rig rig.json --left left.avi --right right.avi --set tracking.silhouette.right_arm=false
     """
     from farhand.tracking.results.outputs import TrackOutputs
-    from farhand.tracking.run import TrackSources, run_track
     from farhand.tracking.summary import as_builtins, describe, refuse_interrupted, refuse_nothing
+    from farhand.tracking.track_run import TrackSources, run_track
 
     if (monocular is None) == (left is None or right is None) or (monocular and (left or right or also)):
         raise ConfigError("give --left and --right, or --monocular alone")
@@ -96,7 +96,7 @@ def track(
 def _site(config: Path | None, settings: Sequence[str], tracker: str | None, shown_joints: str | None) -> "LocalConfig":
     """The local site's configuration with the tracker that is asked for; a warning for each setting left unused."""
     from farhand.tracking.given_settings import refuse_other_tracker, unused_settings
-    from farhand.tracking.run import joint_settings
+    from farhand.tracking.track_run import joint_settings
     from local_site.config import LocalConfig
 
     chosen = [] if tracker is None else [f"tracking.method={tracker}"]

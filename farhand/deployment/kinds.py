@@ -26,7 +26,7 @@ def likeliest(table: Mapping[str, Any], kinds: Sequence[type[Configuration]]) ->
 
 
 def known_keys(table: Mapping[str, Any], kind: type[Any]) -> int:
-    """How many of the keys, those of nested tables included, are keys of this configuration."""
+    """Count the keys, those of nested tables included, that are keys of this configuration."""
     types = {field.name: field.type for field in msgspec.structs.fields(kind)}
     nested = ((value, types[name]) for name, value in table.items() if name in types and isinstance(value, dict))
     return len(table.keys() & types.keys()) + sum(

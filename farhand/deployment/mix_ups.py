@@ -19,7 +19,7 @@ COMMANDS: dict[type[Configuration], str] = {
 
 
 def mix_up(path: Path, *wanted: type[Configuration]) -> str:
-    """What to say where a file, by its tables and keys, is another configuration than those wanted; else nothing."""
+    """Say that a file, by its tables and keys, is another configuration than those wanted; else nothing."""
     try:
         kinds = likeliest(read_tables(path), tuple(KINDS))
     except ConfigError:

@@ -1,4 +1,4 @@
-"""What the robot's side loads of its arm, and how long the arm may take to stop; probes, and pure checks."""
+"""The arm that the robot's side loads, and how long it may take to stop; probes, and pure checks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,14 +31,14 @@ def check_robot(model: str, driver: str, mistakes: Sequence[tuple[str, str, str]
 
 
 def probe_unguarded(config: RemoteConfig) -> tuple[str, ...]:
-    """What the configuration of an arm that can be loaded leaves unguarded, part by part."""
+    """List what the configuration of an arm that can be loaded leaves unguarded, part by part."""
     from remote_site.runtime.checks import find_unguarded  # noqa: PLC0415  # the doctor also examines hosts without its libraries
 
     return find_unguarded(config)
 
 
 def check_guard(parts: Sequence[str]) -> Finding:
-    """What is not guarded is said; a warning where it could be."""
+    """Report what is not guarded; a warning where it could be."""
     from remote_site.safety.unguarded import in_one_line  # noqa: PLC0415  # as above
 
     sentence = f"not guarded: {in_one_line(parts)}"

@@ -1,4 +1,4 @@
-"""What the operator's side needs to see: cameras that do what their settings ask, and their calibration."""
+"""The operator's cameras: whether they do what their settings ask, and their calibration."""
 
 import threading
 from collections.abc import Sequence
@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from common.cameras.camera import Camera
+from common.cameras.camera import Camera, Source
 from common.cameras.controls import CURE
 from common.cameras.given_rate import LEAST_SHARE
 from common.cameras.live import CURE_OF_RATE, LiveCamera
 from common.cameras.settings import AS_IT_IS, CameraSettings
 from common.cameras.shown_source import shown_source
-from common.cameras.sources import Source, open_camera
+from common.cameras.sources import open_camera
 from common.clock import NS_PER_S
 from common.errors import CalibrationError, CameraError
 from common.link.port_holders import holder_of_device, is_ours
@@ -82,7 +82,7 @@ def _first_picture(name: str, source: Source, fps: float, settings: CameraSettin
 
 
 def _slow_fps(camera: Camera) -> float | None:
-    """How many pictures a second a live camera gives, where that is less than it states."""
+    """Measure how many pictures a second a live camera gives; None unless that is less than it states."""
     if not isinstance(camera, LiveCamera) or camera.state.fps is None:
         return None
     count, first = 0, camera.read()

@@ -1,4 +1,4 @@
-"""What a check has found: its severity, a sentence, the cure; as text for people and as JSON for programs."""
+"""Findings of a check: severity, a sentence, the cure; as text for people and as JSON for programs."""
 
 from collections.abc import Sequence
 from enum import StrEnum
@@ -10,7 +10,7 @@ from common.text import escaped
 
 
 class Severity(StrEnum):
-    """How bad a finding is: with an error Farhand cannot run, with a warning it runs worse than it could."""
+    """The severity of a finding: with an error Farhand cannot run, with a warning it runs worse than it could."""
 
     OK = "ok"
     WARNING = "warning"

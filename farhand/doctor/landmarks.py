@@ -1,4 +1,4 @@
-"""Whether runtime and models of the tracker `learned` are installed and unchanged: a probe, and a pure check."""
+"""Check that runtime and models of the tracker `learned` are installed and unchanged: a probe, and a pure check."""
 
 import importlib.metadata
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the machine must offer: each fact is probed, then judged by a pure check."""
+"""Requirements of the machine: each fact is probed, then judged by a pure check."""
 
 import importlib.metadata
 import os
@@ -65,7 +65,7 @@ def probe_rendering() -> str | None:
 
 
 def check_rendering(problem: str | None) -> Finding:
-    """Whether simulated views can be rendered; `problem` is the error of EGL."""
+    """Check that simulated views can be rendered; `problem` is the error of EGL."""
     if problem is None:
         return ok("rendering", "EGL renders off screen")
     cure = "apt-get install libegl1 libopengl0 libgl1-mesa-dri, or give video.cameras real sources"
@@ -148,7 +148,7 @@ def check_shared_memory(folder: str, free_bytes: int | None) -> Finding:
 
 
 def probe_cache() -> tuple[str, bool, int]:
-    """Where numba will look for compiled code, whether that is writable, and how many functions are there.
+    """Find where numba will look for compiled code, whether that is writable, and how many functions are there.
 
     That is the service's folder, beside the package, or in the user's cache.
     """
@@ -159,7 +159,7 @@ def probe_cache() -> tuple[str, bool, int]:
 
 
 def _is_writable(folder: Path) -> bool:
-    """Whether a folder can be written, or made."""
+    """Return whether a folder can be written, or made."""
     while not folder.exists():
         folder = folder.parent
     return os.access(folder, os.W_OK)

@@ -1,4 +1,4 @@
-"""What a configured site needs: ports, clocks, certificates; probes, and pure checks."""
+"""Needs of a configured site: ports, clocks, certificates; probes, and pure checks."""
 
 import time
 from collections.abc import Sequence
@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
+from common.cameras.camera import Source
 from common.cameras.shown_source import hides_part, shown_source
-from common.cameras.sources import Source
 from common.clock import NS_PER_S
 from common.errors import ConfigError, RefusedError, TransportError
 from common.link.config import NAME_OPERATORS, ON_THIS_HOST, LinkSecurity, OperatorLinks, TlsConfig
@@ -42,7 +42,7 @@ class PortFacts:
 
 
 def probe_port(purpose: str, endpoint: str, security: LinkSecurity) -> PortFacts:
-    """Whether this host can listen on an endpoint, else which process already does."""
+    """Probe whether this host can listen on an endpoint, else which process already does."""
     try:
         check_endpoint(endpoint, security)
     except TransportError as wrong:
@@ -176,7 +176,7 @@ def check_sources(path: Path, mode: int, sources: Sequence[Source]) -> list[Find
 
 
 def check_operators(links: OperatorLinks) -> list[Finding]:
-    """Where there are certificates, somebody may operate."""
+    """Check that somebody may operate, where there are certificates."""
     if not links.tls.is_given:
         return []
     if not links.operators:

@@ -1,1 +1,1 @@
-"""What a recorded session becomes for others: a LeRobot dataset, tables, videos."""
+"""Export of a recorded session for others: a LeRobot dataset, tables, videos."""

@@ -1,4 +1,4 @@
-"""Whether what exporting needs is installed: an extra of the installation."""
+"""Check that what exporting needs is installed: an extra of the installation."""
 
 import importlib
 

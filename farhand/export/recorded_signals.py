@@ -76,7 +76,7 @@ def signals_of(messages: Iterable[KeptMessage], joint_names: Sequence[str]) -> S
 
 
 def _sent(written: Signal, actions: Sequence[SentAction], opening: Signal) -> SentActions:
-    """What the robot was given, with the gripper and the cause of the order behind each motion."""
+    """Join what the robot was given with the gripper and the cause of the order behind each motion."""
     orders = {action.command: action for action in actions}
     order_at = {action.written_ns: action.written_command for action in actions}
     behind = [orders.get(order_at.get(t_ns) or 0) for t_ns in written.t_ns.tolist()]

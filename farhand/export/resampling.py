@@ -64,7 +64,7 @@ def blocks(at: Times) -> Iterator[Times]:
 
 
 def known_from(signals: SessionSignals) -> int | None:
-    """When joints, gripper and what was sent are all known; None if one of them never is."""
+    """Find from when on joints, gripper and what was sent are all known, ns; None if one of them never is."""
     needed = [signals.joints, signals.actions.motion, signals.tool]
     needed += [signals.gripper] if signals.gripper is not None else []
     if not all(len(signal.t_ns) for signal in needed):

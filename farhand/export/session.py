@@ -1,4 +1,4 @@
-"""What an exporter needs to know of a recorded session, whatever kept it; pure."""
+"""A recorded session as an exporter needs it, whatever kept it; pure."""
 
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping
@@ -33,7 +33,7 @@ class Signal(NamedTuple):
 
 
 class SentActions(NamedTuple):
-    """What the robot was really given, after every limit, and the hand sample behind each.
+    """The motions that the robot was really given, after every limit, and the hand sample behind each.
 
     `motion` is the joints (n, joints) in rad, when each was sent; `opening` (n,) is the gripper's commanded opening in
     m, NaN where it was to stay as it is. The sample was exposed at `hand_ns` (n,) by the recording host's clock and at
@@ -92,7 +92,7 @@ class ViewPicture(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class SessionFacts:
-    """What holds for a whole session: `utc_minus_clock_ns` turns its times into ns since 1970, UTC.
+    """The facts of a whole session: `utc_minus_clock_ns` turns its times into ns since 1970, UTC.
 
     `identity` differs where the session does; `views` are the sizes (width, height) of the pictures by view.
     `episodes` are sorted by their beginnings.
@@ -115,7 +115,7 @@ class RecordedSession(Protocol):
 
     @property
     def facts(self) -> SessionFacts:
-        """What holds for the whole session."""
+        """The facts of the whole session."""
         ...
 
     def signals(self) -> SessionSignals:

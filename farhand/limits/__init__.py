@@ -1,1 +1,1 @@
-"""What `farhand limits` prints: the limits of a configured arm, where they come from, and its stops."""
+"""Limits of a configured arm, as `farhand limits` prints them: where they come from, and its stops."""

@@ -16,7 +16,7 @@ from remote_site.kinematics.model import ASSUMED, GIVEN, ArmModel
 from remote_site.safety.config import SafetyConfig
 from remote_site.safety.stop_bound import longest_stops
 from remote_site.safety.stop_figures import StopFigures, rising_stop, steady_stop, way
-from remote_site.session.age_limit import AgeLimit, speed_scale_at
+from remote_site.session.age_limit import AgeLimitChoice, speed_scale_at
 
 MS = 1000.0
 SPEEDS_RAD_S = (0.5, 1.0)  # beside full speed
@@ -28,7 +28,7 @@ Row = tuple[str, str, str]
 
 
 def tool_rows(config: RemoteConfig) -> list[Row]:
-    """What, its value, and its source."""
+    """List what describes the tool: name, value, and source."""
     robot = config.robot
     x, y, z = (MM * robot.tool_T_tcp[:3, 3]).tolist()
     payload = "not stated" if robot.payload_kg is None else f"{robot.payload_kg:g}"
@@ -63,7 +63,7 @@ def _whose(robot: RobotConfig) -> str:
 
 
 def _reach_m(capsule: CapsuleConfig) -> float:
-    """How far a capsule extends from the origin of its link."""
+    """Compute how far a capsule extends from the origin of its link, m."""
     return max(math.hypot(*end) for end in (capsule.start_m, capsule.end_m)) + capsule.radius_m
 
 
@@ -87,7 +87,7 @@ def file_source(model: ArmModel, key: str, values: Array) -> str:
 
 
 def assumed_in_configuration(model: ArmModel, key: str, values: Array) -> str:
-    """What follows the key of values (n,) that the import assumed in the configuration; nothing where it did not."""
+    """Return what follows the key of values (n,) that the import assumed in the configuration; else nothing."""
     names = _unchanged(model, model.marked(ASSUMED, key), values)
     if not names:
         return ""
@@ -95,7 +95,7 @@ def assumed_in_configuration(model: ArmModel, key: str, values: Array) -> str:
 
 
 def of_another_arm(robot: RobotConfig) -> str:
-    """What follows the key of an acceleration that no configuration gives, where the arm is not the A465."""
+    """Return what follows the key of an acceleration that no configuration gives, where the arm is not the A465."""
     default = RobotConfig()
     is_foreign = robot.model != default.model and robot.acceleration_rad_s2 == default.acceleration_rad_s2
     return ", by default the A465's: give your own" if is_foreign else ""
@@ -119,7 +119,7 @@ class LimitRow:
 
 @dataclass(frozen=True, slots=True)
 class StopRow:
-    """What a stop takes from a speed that no joint exceeds: from steady motion, and while still accelerating."""
+    """The figures of a stop from a speed that no joint exceeds: from steady motion, and while still accelerating."""
 
     speed_rad_s: float
     steady: StopFigures
@@ -185,7 +185,7 @@ def _limit_rows(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> t
 
 
 def _times_factor(config: RemoteConfig) -> str:
-    """What follows a source where the factor tightens it."""
+    """Return what follows a source where the factor tightens it."""
     factor = config.robot.limits_factor
     return "" if factor == 1 else f" times robot.limits_factor = {factor:g}"
 
@@ -220,7 +220,7 @@ def _jerk_source(config: RemoteConfig, model: ArmModel) -> str:
 
 
 def _bound(own: Array, source: str) -> str:
-    """What the arm's file allows, whose values are of this source."""
+    """Say what the arm's file allows, whose values are of this source."""
     if not np.isfinite(own).all():
         return f"{FILE} states none"
     least, most = figure(own.min()), figure(own.max())
@@ -238,7 +238,7 @@ def _stop_rows(limits: JointLimits, levers: Sequence[float]) -> tuple[StopRow, .
 
 def _age_rows(config: RemoteConfig, limits: JointLimits, levers: Sequence[float]) -> tuple[AgeRow, ...]:
     """A row for each age limit that can be in force, or for the shortest, the longest and one in between."""
-    least, most = AgeLimit(config.safety).range_ns
+    least, most = AgeLimitChoice(config.safety).range_ns
     ages_ns = sorted({least, min(2 * least, most), most})
     return tuple(_age_row(age_ns, config, limits, levers) for age_ns in ages_ns)
 

@@ -12,7 +12,7 @@ MS = MM = 1000.0
 
 @dataclass(frozen=True, slots=True)
 class LimitsTable:
-    """What a table shows, in a sentence, the heads of its columns, and its rows."""
+    """A table of limits: what it shows, in a sentence, the heads of its columns, and its rows."""
 
     title: str
     head: Sequence[str]

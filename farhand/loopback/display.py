@@ -1,4 +1,4 @@
-"""What a person sees of a loopback run: a progress bar with the state in words; at the end a table and pictures."""
+"""Display of a loopback run: a progress bar with the state in words; at the end a table and pictures."""
 
 import re
 from collections.abc import Iterable, Mapping

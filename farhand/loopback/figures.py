@@ -28,7 +28,7 @@ Figures = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Expectation:
-    """How the tool should move with a point of the hand: scale of the motion, rotation of the operator's frame."""
+    """The expected motion of the tool with a point of the hand: its scale, and the rotation of the operator's frame."""
 
     scale: float
     base_R_operator: Array
@@ -181,7 +181,7 @@ def followed_share(states: Sequence[RobotState]) -> float:
 
 
 def per_second(times_ns: Sequence[int]) -> float:
-    """How often a second something came at these times, 0 unless it came twice."""
+    """Compute how often a second something came at these times, 0 unless it came twice."""
     if len(times_ns) < 2:
         return 0.0
     return (len(times_ns) - 1) * NS_PER_S / max(1, times_ns[-1] - times_ns[0])
@@ -198,7 +198,7 @@ def session_events(states: Sequence[RobotState]) -> list[str]:
 
 
 def troubles(states: Sequence[RobotState]) -> list[str]:
-    """What kept the arm from following in the last seconds most of the time, and what is wrong with the hand's link.
+    """Say what kept the arm from following most of the last seconds, and what is wrong with the hand's link.
 
     A state's own reason may be that of a moment: between two late samples it only counts good ones.
     """

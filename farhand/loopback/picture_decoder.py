@@ -22,7 +22,7 @@ class PictureDecoder:
 
     @property
     def wants_after(self) -> int | None:
-        """Whether a key frame has to be asked for."""
+        """The number of the picture after which it needs a key frame; None without need."""
         return self._continuity.wants_after
 
     def decode(self, frame: VideoFrame) -> Image | None:

@@ -1,4 +1,4 @@
-"""What a loopback starts: each site's file and settings, those that the loopback itself needs included.
+"""Plan of a loopback: each site's file and settings, those that the loopback itself needs included.
 
 Later ones win: the loopback's preferences, a site's file, `--set`, the options `--driver`, `--motion` and `--tracker`.
 A file or a setting that contradicts what the loopback needs is refused. Only the table `links` of a file is replaced,
@@ -17,7 +17,7 @@ from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, known_keys, likeliest
 from farhand.loopback.page_port import page_port
 from farhand.loopback.scenario import arm_file, arm_settings, check_scenario, operator_settings, operator_wishes
-from farhand.loopback.site_process import free_ports
+from farhand.loopback.site_process import free_ports, options_of
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
@@ -33,7 +33,7 @@ S = TypeVar("S", bound=msgspec.Struct)
 
 @dataclass(frozen=True, slots=True)
 class LoopbackOptions:
-    """What the command line asks for; `configs` and `settings` are those of both sites, `port` is the page's."""
+    """The options of the command line; `configs` and `settings` are those of both sites, `port` is the page's."""
 
     seconds: float = 30.0
     report: Path | None = None
@@ -65,10 +65,10 @@ class SitePlan(Generic[S]):
     def arguments(self) -> list[str]:
         """The same for a command line."""
         file = ["--config", str(self.path)] if self.path is not None else []
-        return [*file, *(part for setting in self.settings for part in ("--set", setting))]
+        return [*file, *options_of(self.settings)]
 
     def gives(self, key: str) -> bool:
-        """Whether the file or a setting gives this key a value."""
+        """Return whether the file or a setting gives this key a value."""
         value = read_tables(self.path)
         for setting in self.settings:
             apply_setting(value, setting)
@@ -132,7 +132,7 @@ def _unused_links(paths: Iterable[Path]) -> list[str]:
 
 
 def _given(options: LoopbackOptions) -> tuple[SitePlan[RemoteConfig], SitePlan[LocalConfig]]:
-    """What the user gives each site."""
+    """Collect what the user gives each site."""
     files: dict[type[Configuration], Path] = {}
     for path in options.configs:
         kind = _kind_of(path)

@@ -34,7 +34,7 @@ M = TypeVar("M", HandArm, RobotState)
 
 @dataclass(frozen=True, slots=True)
 class RecordedRun:
-    """What a recording has of a run: `missing` counts the messages that came here and are not in the file."""
+    """The run that a recording has: `missing` counts the messages that came here and are not in the file."""
 
     record: Record
     missing: int
@@ -56,7 +56,7 @@ def read_run(path: Path, cell: str, live: Record) -> RecordedRun:
 def recording_figures(
     path: Path, run: RecordedRun, printed: Figures, recompute: Callable[[Record], Figures]
 ) -> Figures:
-    """How large the recording is, and which of the printed figures it gives otherwise."""
+    """Tell how large the recording is, and which of the printed figures it gives otherwise."""
     again = recompute(run.record)
     return {
         "file": str(path),

@@ -1,4 +1,4 @@
-"""Whether a run failed because the cell's views cannot be rendered here: the last lines then name what to install."""
+"""Runs that fail because the cell's views cannot be rendered here: the last lines then name what to install."""
 
 from common.errors import CameraError, ProcessError
 
@@ -22,6 +22,6 @@ def rendering_problem() -> str:
 
 
 def explained(failure: ProcessError, *, views_are_simulated: bool) -> ProcessError:
-    """What to say instead of a failure where views cannot be rendered; else the failure itself."""
+    """Return what to say instead of a failure where views cannot be rendered; else the failure itself."""
     problem = rendering_problem() if views_are_simulated else ""
     return ProcessError(problem) if problem else failure

@@ -24,7 +24,7 @@ FROM_THE_RIGHT = "[[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]"
 
 
 def scene_of(tracker: str) -> Scene:
-    """What this tracker needs before its cameras; ConfigError without such a tracker."""
+    """Return what this tracker needs before its cameras; ConfigError without such a tracker."""
     try:
         return tracker_kind(tracker).scene
     except ConfigError as error:

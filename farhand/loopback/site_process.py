@@ -6,7 +6,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import IO
@@ -81,17 +81,19 @@ class SiteProcess:
                     self.events.append(f"{self.name}: {line.rstrip()}")
 
 
-def start_site(name: str, arguments: Sequence[str], runtime: Path, program: str = "farhand") -> SiteProcess:
-    """Start a command of this installation; `runtime` is the folder of its state, to end with whoever starts it.
-
-    `program` is the module whose command it is.
-    """
-    return SiteProcess(name, module_command(program, name, *arguments), {"STATE_DIRECTORY": str(runtime)})
+def start_site(name: str, arguments: Sequence[str], runtime: Path) -> SiteProcess:
+    """Start a command of this installation; `runtime` is the folder of its state, to end with whoever starts it."""
+    return SiteProcess(name, module_command("farhand", name, *arguments), {"STATE_DIRECTORY": str(runtime)})
 
 
 def module_command(module: str, *arguments: str) -> list[str]:
     """The command that runs a module of this installation, whatever the working folder holds."""
     return [sys.executable, "-P", "-m", module, *arguments]
+
+
+def options_of(settings: Iterable[str]) -> list[str]:
+    """The words of a command line that give these settings, each as table.key=value."""
+    return [part for setting in settings for part in ("--set", setting)]
 
 
 def free_ports(count: int) -> list[int]:
@@ -104,7 +106,7 @@ def free_ports(count: int) -> list[int]:
 
 
 def listens(port: int) -> bool:
-    """Whether a process listens on a port of the loopback interface."""
+    """Return whether a process listens on a port of the loopback interface."""
     with socket.socket() as probe:
         probe.settimeout(CONNECT_TIMEOUT_S)
         return probe.connect_ex(("127.0.0.1", port)) == 0

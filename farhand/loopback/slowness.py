@@ -1,4 +1,4 @@
-"""Whether this machine was too slow for a run in which the arm followed little or stopped, as measured; pure."""
+"""Slowness of this machine in a run in which the arm followed little or stopped, as measured; pure."""
 
 from collections.abc import Sequence
 
@@ -15,7 +15,7 @@ CURE = "End what else runs on it, or try less: --headless, --tracker markers, --
 
 
 def too_slow(record: Record, fps: float, warnings: Sequence[str]) -> str | None:
-    """What ran late where the arm followed little or stopped, and what to do; None where nothing did.
+    """Say what ran late where the arm followed little or stopped, and what to do; None where nothing did.
 
     `fps` is the rate of the simulated operator's pictures, `warnings` are what the sites have logged.
     """
@@ -27,7 +27,7 @@ def too_slow(record: Record, fps: float, warnings: Sequence[str]) -> str | None:
 
 
 def _samples(states: Sequence[RobotState]) -> list[str]:
-    """How old the hand samples became: both sites are on this machine, so it is not the network."""
+    """List how old the hand samples became: both sites are on this machine, so it is not the network."""
     links = [(state.hand_link, state.age_limit_ms) for state in states if state.hand_link is not None]
     ages = [(link.age_ms, limit_ms) for link, limit_ms in links if link.code in LATE and link.age_ms is not None]
     if not ages:

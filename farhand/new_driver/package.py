@@ -37,7 +37,7 @@ def write_package(name: str, folder: Path) -> list[Path]:
 
 
 def next_steps(name: str, folder: Path) -> list[str]:
-    """What to do with the package that was written, a line each."""
+    """Say what to do with the package that was written, a line each."""
     target = folder / name
     return [
         "It drives a simulated arm as it is. Next:",

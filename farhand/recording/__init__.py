@@ -1,1 +1,1 @@
-"""What `farhand record` does: the recorder of the site whose configuration it is given."""
+"""The command `farhand record`: the recorder of the site whose configuration it is given."""

@@ -1,1 +1,1 @@
-"""What was recorded, played again."""
+"""Replay of what was recorded."""

@@ -79,7 +79,7 @@ class RecordingPlayer:
 
     def __init__(self, scene: RecordedScene, name: str, playback: Playback) -> None:
         self._scene, self._playback = scene, playback
-        self.seat, self.lease, self.late = Seat(open_=False), 0, ""
+        self.seat = Seat(open_=False)
         self.settings: OperatorSettings | None = None
         self.hub = Hub(
             self,
@@ -151,9 +151,9 @@ class RecordingPlayer:
         }
         self.hub.tell("replay", msgspec.json.encode(stands).decode())
 
-    def adopt(self, in_force: OperatorSettings | None, now_ns: int) -> None:
+    def adopt(self, in_force: OperatorSettings | None, lease: int, late: str, now_ns: int) -> None:
         """Show the scales and locks that were in force."""
-        del now_ns
+        del lease, late, now_ns
         self.settings = in_force
 
     def remember(self, view: str, frame: VideoFrame, now_ns: int, clock: ClockOffset | None, *, usable: bool) -> None:

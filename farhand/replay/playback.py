@@ -1,4 +1,4 @@
-"""Where a replay stands in its recording while the host's time goes on; pure."""
+"""Playback: where a replay stands in its recording while the host's time goes on; pure."""
 
 from common.clock import Clock
 
@@ -22,7 +22,7 @@ class Playback:
 
     @property
     def is_running(self) -> bool:
-        """Whether its time goes on."""
+        """Return whether its time goes on."""
         return self._playing and self.now_ns() < self.end_ns
 
     def play(self, *, playing: bool) -> None:

@@ -27,7 +27,7 @@ SHOWN_WORDS = 40  # of a table that a stranger may have written
 
 
 class RecordedCycle(NamedTuple):
-    """What went into a control cycle, and what came of it."""
+    """The inputs of a control cycle, and its outcome."""
 
     given: CycleInput
     outcome: CycleOutcome
@@ -86,7 +86,7 @@ def _release(software: str, protocol: str) -> str:
 
 
 def cycle_count(path: Path) -> int:
-    """How many cycles a recording has from this file on."""
+    """Count the cycles that a recording has from this file on."""
     count = 0
     for part in parts_from(path):
         with RecordingReader(part) as recording:

@@ -1,4 +1,4 @@
-"""What an operator's page shows, out of a recording: states, hand samples and pictures, in the order of their times."""
+"""An operator's page out of a recording: states, hand samples and pictures, in the order of their times."""
 
 import re
 from collections.abc import Iterable, Iterator

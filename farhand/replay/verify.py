@@ -38,7 +38,7 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class ReplayVerdict:
-    """How many cycles were compared, by how much joints differ at most (rad), and the first difference, if any."""
+    """The verdict of a replay: cycles compared, largest joint difference (rad), and the first difference, if any."""
 
     cycles: int
     worst_rad: float

@@ -50,7 +50,7 @@ def panels(title: str, rows: int, columns: int = 1, **shared: Any) -> "tuple[Fig
 
 
 def describe_panel(axes: "Axes", title: str, y_label: str) -> None:
-    """What a panel shows, and along its y axis in which unit."""
+    """Write over a panel what it shows, and along its y axis in which unit."""
     axes.set_title(title, fontsize="medium", loc="left")
     axes.set_ylabel(y_label)
 

@@ -73,7 +73,7 @@ def _gives(mode: CameraMode, fps: float) -> bool:
 
 
 def verify(sources: Mapping[str, str], settings: CameraSettings, tried: OpenCamera) -> list[str]:
-    """What both cameras do when they run at once, a sentence each; CameraError if one does not obey."""
+    """Verify what both cameras do when they run at once, a sentence each; CameraError if one does not obey."""
     sentences = []
     with ExitStack() as opened:
         cameras = [opened.enter_context(closing(tried(source, name, settings))) for name, source in sources.items()]

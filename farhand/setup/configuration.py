@@ -54,7 +54,7 @@ def configuration(answers: SetupAnswers, rig: Path, path: Path) -> str:
 
 
 def has_sides(method: str) -> bool:
-    """Whether a tracker has to know which arm it tracks."""
+    """Return whether a tracker has to know which arm it tracks."""
     own = getattr(TrackingConfig(), method, None)
     return isinstance(own, msgspec.Struct) and "right_arm" in own.__struct_fields__
 

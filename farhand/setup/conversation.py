@@ -1,4 +1,4 @@
-"""How the setup talks with a person: questions with an answer proposed, at a terminal."""
+"""Conversation of the setup with a person: questions with an answer proposed, at a terminal."""
 
 import sys
 from collections.abc import Mapping
@@ -65,7 +65,7 @@ def choose(person: SetupPerson, question: str, options: Mapping[str, str], defau
 
 
 def confirm(person: SetupPerson, question: str, default: bool) -> bool:
-    """Whether a person agrees."""
+    """Ask whether a person agrees."""
     words = {"y": True, "yes": True, "n": False, "no": False}
     while (answer := person.ask(f"{question} (y/n)", "y" if default else "n").lower()) not in words:
         person.tell("answer y or n")

@@ -26,7 +26,7 @@ READING = "looking at the pictures of the last run"
 
 @dataclass(frozen=True, slots=True)
 class Judged:
-    """What became of a pair: whether it is kept, and a line about what is seen."""
+    """The verdict on a pair: whether it is kept, and a line about what is seen."""
 
     kept: bool
     line: str
@@ -43,7 +43,7 @@ class Guide:
 
     @property
     def kept(self) -> int:
-        """How many pairs were kept."""
+        """The number of pairs that were kept."""
         return len(self._gate.taken)
 
     def restore(self, pairs: Sequence[Pictures], show: ShowProgress) -> None:
@@ -102,7 +102,7 @@ def take_pairs(
 
 
 def judge_rig(rig: Rig, poses: int) -> list[Finding]:
-    """Whether a rig from a board is as good as usual; where it is not, the likely cause as the cure."""
+    """Judge whether a rig from a board is as good as usual; where it is not, the likely cause is the cure."""
     rms = {camera.name: camera.reprojection_rms_px for camera in rig.cameras}
     described = ", ".join(f"{name} {value:.2f} px" for name, value in rms.items())
     bad = [name for name, value in rms.items() if value > USUAL_RMS_PX]

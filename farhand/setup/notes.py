@@ -1,4 +1,4 @@
-"""What a setup keeps between its runs: the answers, and the files of its folder."""
+"""Notes of a setup between its runs: the answers, and the files of its folder."""
 
 import shutil
 from dataclasses import dataclass
@@ -40,17 +40,17 @@ class SetupAnswers(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
     @property
     def settings(self) -> CameraSettings:
-        """What the cameras are set to."""
+        """The settings of the cameras."""
         return self.cameras or AS_IT_IS
 
     @property
     def pairs_need(self) -> str:
-        """What pairs of pictures depend on: the cameras and their size."""
+        """The conditions of the pairs of pictures: the cameras and their size."""
         return f"left {self.left}, right {self.right}, {self.settings.size_px}"
 
     @property
     def rig_needs(self) -> str:
-        """What the rig depends on: its pairs, the board's squares and how the first board was placed."""
+        """The conditions of the rig: its pairs, the board's squares and how the first board was placed."""
         return f"{self.pairs_need}, squares of {self.square_mm} mm, standing {self.standing}"
 
 

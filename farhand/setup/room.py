@@ -1,4 +1,4 @@
-"""What a room lacks for tracking: light, contrast of the arm to what is behind it, the elbow in both views."""
+"""Judgement of a room for tracking: light, contrast of the arm to what is behind it, the elbow in both views."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ ELBOW = (
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """The light on a picture or a part of it: mean grey level, that of its brightest parts, the saturated share."""
+    """The light on a picture or a part of it: mean grey level, that of its brightest parts, the saturated fraction."""
 
     mean: float
     bright: float
@@ -49,7 +49,7 @@ class ArmInPicture:
 
     @property
     def contrast(self) -> float:
-        """How much brighter the arm is than the ring around it, grey levels."""
+        """The arm's brightness above that of the ring around it, grey levels."""
         return self.light.mean - self.around
 
 
@@ -70,12 +70,12 @@ def _disc(radius: int) -> NDArray[np.uint8]:
 
 
 def in_view(pixel: Array, size: tuple[int, int], margin: float = 0.02) -> bool:
-    """Whether a pixel (2,) is inside a picture of this size (width, height), off its edges by a part of it."""
+    """Return whether a pixel (2,) is inside a picture of this size (width, height), off its edges by a part of it."""
     return all(margin * extent <= value <= (1 - margin) * extent for value, extent in zip(pixel, size, strict=True))
 
 
 def judge_light(name: str, light: Light, where: str) -> Finding:
-    """Whether the light in a view is right; `where` says of what."""
+    """Judge whether the light in a view is right; `where` says of what."""
     sentence = f"{where}: mean level {light.mean:.0f} of 255, {100 * light.saturated:.1f} % saturated"
     if light.bright < MIN_BRIGHT:
         return warning(f"light {name}", f"{sentence}, which is dark", DIM)
@@ -85,7 +85,7 @@ def judge_light(name: str, light: Light, where: str) -> Finding:
 
 
 def judge_background(name: str, light: Light) -> Finding:
-    """Whether anything stands out of a view in which no arm was found, for a tracker that needs a dark background."""
+    """Judge whether anything stands out where no arm was found, for a tracker that needs a dark background."""
     sentence = f"no arm found, and the brightest parts are {light.bright - light.mean:.0f} levels above the mean"
     if light.bright - light.mean < MIN_CONTRAST:
         return warning(f"contrast {name}", f"{sentence}, needs {MIN_CONTRAST:.0f}", PALE)
@@ -93,7 +93,7 @@ def judge_background(name: str, light: Light) -> Finding:
 
 
 def judge_contrast(name: str, contrast: float, needs_dark: bool) -> Finding:
-    """Whether the arm stands out in a view; `needs_dark` is whether the tracker needs a dark background."""
+    """Judge whether the arm stands out in a view; `needs_dark` is whether the tracker needs a dark background."""
     sentence = f"the arm is {contrast:.0f} levels brighter than what is around it"
     if needs_dark and contrast < MIN_CONTRAST:
         return warning(f"contrast {name}", f"{sentence}, needs {MIN_CONTRAST:.0f}", PALE)
@@ -101,7 +101,7 @@ def judge_contrast(name: str, contrast: float, needs_dark: bool) -> Finding:
 
 
 def judge_elbow(shares: Mapping[str, float]) -> Finding:
-    """Whether the elbow is in all views; `shares` of the instants with an elbow in which a view shows it."""
+    """Judge whether the elbow is in all views; `shares`: in which fraction of the instants with one a view shows it."""
     sentence = ", ".join(f"{name} {100 * share:.0f} %" for name, share in shares.items()) or "never found"
     if not shares or min(shares.values()) < MIN_ELBOW_SHARE:
         return warning("elbow in view", sentence, ELBOW)

@@ -63,7 +63,7 @@ def without_counts(reason: str) -> str:
 
 
 def cure_of(reason: str) -> str:
-    """What to do about a reason; empty where its own sentence says it, after a colon."""
+    """Say what to do about a reason; empty where its own sentence says it, after a colon."""
     known = next((cure for which, cure in CURES.items() if which in reason), None)
     if known is not None:
         return known
@@ -72,7 +72,7 @@ def cure_of(reason: str) -> str:
 
 @dataclass
 class TrackerTrial:
-    """What a trial has seen, by the names of the views; `ms` is the time that each instant took to track.
+    """The pairs that a trial has seen, by the names of the views; `ms` is the time that each instant took to track.
 
     `statuses` are those of the instants after the `learning` ones, in which the tracker still learned arm or room.
     """
@@ -98,7 +98,7 @@ class TrackerTrial:
 
     @property
     def tracked_share(self) -> float:
-        """The share of instants in which the arm was tracked, well or with doubts."""
+        """The fraction of instants in which the arm was tracked, well or with doubts."""
         tracked = self.statuses[TrackingStatus.TRACKED] + self.statuses[TrackingStatus.DEGRADED]
         return tracked / max(self.statuses.total(), 1)
 
@@ -149,7 +149,7 @@ def _measure(trial: TrackerTrial, rig: Rig, pair: Views, estimate: ArmEstimate) 
 
 
 def judge_trial(trial: TrackerTrial, needs_dark: bool) -> list[Finding]:
-    """The trial's findings: the share tracked, the most frequent reasons, and what the room lacks."""
+    """The trial's findings: the fraction tracked, the most frequent reasons, and what the room lacks."""
     if not trial.ms:
         return [error("tracked", "no pair of pictures came", "start the trial again, and check both cameras")]
     findings = [_judge_share(trial), *_judge_reasons(trial)]

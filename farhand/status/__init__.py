@@ -1,1 +1,1 @@
-"""What `farhand status` shows of a running cell: received, put into words, drawn on one screen."""
+"""The command `farhand status` of a running cell: received, put into words, drawn on one screen."""

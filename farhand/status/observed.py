@@ -1,4 +1,4 @@
-"""What has been received of a cell, and how often: the newest state, the rates of states and pictures; no I/O."""
+"""Messages received of a cell, and how often: the newest state, the rates of states and pictures; no I/O."""
 
 from collections import deque
 from collections.abc import Iterable
@@ -14,7 +14,7 @@ MOST_ARRIVALS = 1000
 
 
 class ArrivalRate:
-    """How many messages a second came in the last three seconds, or since the first."""
+    """The messages per second of the last three seconds, or since the first."""
 
     def __init__(self) -> None:
         self._times_ns: deque[int] = deque(maxlen=MOST_ARRIVALS)

@@ -17,7 +17,7 @@ LATE_BY_PERIODS = 0.5  # of a control tick, as its 99th percentile
 
 
 class Mood(StrEnum):
-    """How good a row is: as it should be, worth a look, or wrong."""
+    """The state of a row: as it should be, worth a look, or wrong."""
 
     GOOD = "good"
     PLAIN = "plain"

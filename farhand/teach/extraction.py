@@ -43,7 +43,7 @@ def reduced(poses: Array, keep: Sequence[int], tolerance_m: float, tolerance_rad
 
 
 def _way(poses: Array, tolerance_m: float, tolerance_rad: float) -> Array:
-    """How far the path has come at each pose, in tolerances."""
+    """Compute how far the path has come at each pose, in tolerances."""
     moved = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1) / tolerance_m
     orientations = Rotation.from_matrix(poses[:, :3, :3])
     turned = (orientations[:-1].inv() * orientations[1:]).magnitude() / tolerance_rad
@@ -51,7 +51,7 @@ def _way(poses: Array, tolerance_m: float, tolerance_rad: float) -> Array:
 
 
 def _apart(poses: Array, way: Array, tolerance_m: float, tolerance_rad: float) -> Array:
-    """How far each pose is from the straight way between the first and the last, in tolerances."""
+    """Compute how far each pose is from the straight way between the first and the last, in tolerances."""
     length = way[-1] - way[0]
     part = (way - way[0]) / length if length > 0.0 else np.zeros(len(way))
     straight = poses[0, :3, 3] + part[:, None] * (poses[-1, :3, 3] - poses[0, :3, 3])
@@ -107,7 +107,7 @@ def task_of(path: ToolTrajectory, origin: TaskOrigin, frame: TaughtFrame | None)
 
 
 def _rest_s(t_s: Array, poses: Array, begin: int) -> float:
-    """How long the tool rests from a pose on, at most two seconds."""
+    """Measure how long the tool rests from a pose on, s, at most two."""
     k = begin
     while k + 1 < len(poses) and t_s[k + 1] - t_s[begin] < LONGEST_DWELL_S and _rests(t_s, poses, k):
         k += 1

@@ -45,7 +45,7 @@ def in_words(numbers: Sequence[int]) -> str:
 
 
 def placed(anchors: Array, sizes: Array, points: Array, room: LabelBox) -> list[LabelBox]:
-    """Where labels of these sizes (n, 2) go, each beside its anchor (n, 2), within the room.
+    """Place labels of these sizes (n, 2), each beside its anchor (n, 2), within the room.
 
     Of the places around an anchor each takes the one that covers no label, as few of the `points` (m, 2) as possible,
     and is near; where there is none without a label, the one that covers least.

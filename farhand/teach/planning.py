@@ -114,7 +114,7 @@ class _PathWriter:
         self._marks += [begin_s + float(np.interp(mark, full_s, t_s)) for mark in stretch.marks]
 
     def path(self) -> ToolTrajectory:
-        """What has been put together."""
+        """Return the path that has been put together."""
         poses = np.array(self._poses)
         orientations = Rotation.from_matrix(poses[:, :3, :3]).as_quat()
         return ToolTrajectory(
@@ -130,7 +130,7 @@ def _stops(poses: Sequence[Array], task: TaskFile) -> list[int]:
 
 
 def _corner(poses: Sequence[Array], points: Sequence[WayPoint], k: int, motion: TaskMotion) -> _Corner:
-    """How a way point between two others is passed; as the middle of a quadratic Bezier curve, which is bent most."""
+    """Compute how a way point between two others is passed: by the middle of a quadratic Bezier curve, bent most."""
     before, after = poses[k][:3, 3] - poses[k - 1][:3, 3], poses[k + 1][:3, 3] - poses[k][:3, 3]
     longer = float(np.linalg.norm(before)), float(np.linalg.norm(after))
     if min(longer) < SHORTEST_M:
@@ -188,7 +188,7 @@ def _turn(begin: Array, end: Array) -> Array:
 
 
 def _full_s(poses: Sequence[Array], speeds: Array, motion: TaskMotion) -> Array:
-    """When each pose is reached at full speed, from 0 on; `speeds` (n - 1,) are the parts of it in between."""
+    """Compute when each pose is reached at full speed, from 0 on; `speeds` (n - 1,) are the fractions in between."""
     ways = [float(np.linalg.norm(b[:3, 3] - a[:3, 3])) / (1e-3 * motion.speed_mm_s) for a, b in pairwise(poses)]
     turns = [angle_between(a[:3, :3], b[:3, :3]) / math.radians(motion.turn_deg_s) for a, b in pairwise(poses)]
     return np.concatenate([[0.0], np.cumsum(np.maximum(ways, turns) / speeds)])

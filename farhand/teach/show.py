@@ -61,7 +61,7 @@ def as_builtins(task: TaskFile) -> dict[str, Any]:
 
 
 def in_short(task: TaskFile, path: ToolTrajectory) -> str:
-    """How many way points, how long the whole way, and its time."""
+    """Say how many way points there are, how long the whole way is, and its time."""
     way_mm = 1e3 * float(np.linalg.norm(np.diff(path.positions, axis=0), axis=1).sum())
     return f"{len(task.waypoints)} way points, {way_mm:.0f} mm in {path.duration_s:.1f} s without the gripper's time"
 

@@ -19,7 +19,7 @@ LONGEST_REST_S = 60.0
 
 
 class TaughtFrame(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the way points count from, in the robot's base frame; turned about its x, then y, then z."""
+    """The frame of the way points, in the robot's base frame; turned about its x, then y, then z."""
 
     xyz_mm: Annotated[Row3, Meta(description="its origin, mm")] = (0.0, 0.0, 0.0)
     rpy_deg: Annotated[Row3, Meta(description="its axes, deg")] = (0.0, 0.0, 0.0)
@@ -47,7 +47,7 @@ class WayPoint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     @property
     def stands(self) -> bool:
-        """Whether the tool stops there."""
+        """Return whether the tool stops there."""
         return self.gripper is not None or self.dwell_s > 0.0
 
     @property
@@ -58,7 +58,7 @@ class WayPoint(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class TaskMotion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the tool moves from way point to way point."""
+    """The motion of the tool from way point to way point."""
 
     speed_mm_s: Annotated[float, Meta(ge=1, le=500, description="of the tool, mm/s")] = 100.0
     turn_deg_s: Annotated[float, Meta(ge=1, le=180, description="of the tool's axes, deg/s")] = 45.0
@@ -68,7 +68,7 @@ class TaskMotion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 
 class TaskOrigin(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What the task is and where it comes from."""
+    """The task's name and origin."""
 
     name: Annotated[str, Meta(max_length=100, description="as the operator's page shows it")]
     robot: Annotated[str, Meta(max_length=100, description="the robot that it was taught on; no other runs it")]

@@ -1,4 +1,4 @@
-"""What keeps pairs from being tracked, counted by cause: a reason may name several, and one in several cameras."""
+"""Causes that keep pairs from being tracked, counted: a reason may name several, and one in several cameras."""
 
 import re
 from collections import Counter
@@ -8,7 +8,7 @@ from local_site.tracking.tracker import TrackingReason
 
 
 class Causes:
-    """How many pairs each cause was named in, by whichever of the cameras (their names)."""
+    """The number of pairs that each cause was named in, by whichever of the cameras (their names)."""
 
     def __init__(self, cameras: Sequence[str]) -> None:
         names = "|".join(map(re.escape, cameras))

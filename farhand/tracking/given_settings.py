@@ -1,4 +1,4 @@
-"""What the settings given to a track ask for: no other tracker than an option names, and what is not used."""
+"""Check of the settings given to a track: no other tracker than an option names, and what is not used."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any

@@ -30,7 +30,7 @@ def refuse_other_rates(cameras: Sequence[Camera]) -> None:
 
 
 def stated_pairs(cameras: Sequence[Camera]) -> int | None:
-    """How many pairs to expect of recordings by what they state; None if a camera does not state it, as a live one."""
+    """Return how many pairs recordings state; None if a camera does not state it, as a live one."""
     counts = [stated_frames(camera) for camera in cameras]
     return None if None in counts else min(count for count in counts if count is not None)
 

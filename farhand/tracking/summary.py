@@ -1,4 +1,4 @@
-"""What a track comes to: how many pairs of each status, which points, how long it took, and in words."""
+"""Summary of a track: how many pairs of each status, which points, how long it took, and in words."""
 
 import re
 from collections.abc import Sequence
@@ -62,13 +62,13 @@ def lasting_reason(line: TrackLine) -> str:
 
 
 def is_usable(line: TrackLine) -> bool:
-    """Whether a pair counts as tracked."""
+    """Return whether a pair counts as tracked."""
     is_learned = LEARNED_SO_FAR.search(line.reason) is None
     return line.status is TrackingStatus.TRACKED or (line.status is TrackingStatus.DEGRADED and is_learned)
 
 
 def describe(summary: Summary, written: Sequence[Path]) -> str:
-    """What was found in a recording, in three lines, and a line for each warning; `written` is what was written."""
+    """Describe what was found in a recording, with a line for each warning; `written` is what was written."""
     if not summary.pairs:
         return "no pair was tracked"
     found = ", ".join(f"{name} {summary.found[name]}" for name in POINTS)

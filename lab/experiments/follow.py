@@ -25,8 +25,7 @@ from lab.experiments.follow_figures import (
 )
 from lab.experiments.following import Film, ToolPath, film, follow_by_mean, follow_by_pipeline, follow_on_robot
 from lab.experiments.report import CsvTable, ExperimentReport, Figures, Progress, rounded
-from lab.experiments.stepped.robots import SteppedCell, SteppedController
-from lab.experiments.stepped.site import SteppedRobot
+from lab.stage.stepped.robots import SteppedCell, SteppedController, SteppedRobot
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig
@@ -77,7 +76,7 @@ class Variant:
 
 
 def frame_count(quick: bool) -> int:
-    """How many frames are filmed, and followed by robots that take their time, for a progress bar."""
+    """Count the frames that are filmed, and followed by robots that take their time, for a progress bar."""
     slow, fast = (round(_filmed_s(quick) * fps) + 1 for fps in (THESIS_FPS, FARHAND_FPS))
     return slow + 3 * fast
 
@@ -184,7 +183,7 @@ def _curves(filmed: Film, path: ToolPath, remote: RemoteConfig) -> Curves:
 
 
 def _is_closed(filmed: Film, times_ns: Array) -> Array:
-    """Whether the true hand does not open at these times (N,)."""
+    """Return at which of these times (N,) the true hand does not open."""
     return np.array([filmed.operator.pose(t_ns / NS_PER_S).openness == 0.0 for t_ns in times_ns])
 
 

@@ -35,7 +35,7 @@ class Curves:
 
 
 def pointing(wrist: Array, index: Array, thumb: Array) -> Array:
-    """Where the hand points (3,): from the wrist to the middle between the tips (thesis section 4.2)."""
+    """Compute where the hand points (3,): from the wrist to the middle between the tips (thesis section 4.2)."""
     return 0.5 * (index + thumb) - wrist
 
 

@@ -16,7 +16,9 @@ from common.mapping.relative_mapping import RelativeMapping
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.robot import SessionState
 from lab.experiments.report import Progress
-from lab.experiments.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, SteppedRobot, SteppedSite
+from lab.stage.stepped.kinematic_loop import KinematicLoop
+from lab.stage.stepped.robots import SteppedRobot
+from lab.stage.stepped.site import FOR_EVER_NS, LEASE, OPERATOR, SESSION, SteppedSite
 from local_site.samples.hand_sample import GestureConfig, HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.simulation.cameras import calibrate_simulated
@@ -29,7 +31,6 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import load_arm
 from remote_site.reasons import Code
-from remote_site.runtime.kinematic_loop import KinematicLoop
 from remote_site.session.config import EngagementMode
 from remote_site.session.lease import Holder, Lease, LeaseStatus
 from remote_site.session.samples import NamedSample
@@ -40,7 +41,7 @@ NOT_USED = (TrackingStatus.LOST, TrackingStatus.INITIALISING)
 
 @dataclass(frozen=True, slots=True)
 class Film:
-    """What the tracker measured in every frame, unsmoothed, at `fps` from time zero of the operator's motion."""
+    """The tracker's measurements in every frame, unsmoothed, at `fps` from time zero of the operator's motion."""
 
     operator: SimulatedOperator
     fps: float
@@ -73,7 +74,7 @@ def film(
 
 @dataclass
 class ToolPath:
-    """Where the tool was: `base_T_tool` (4 x 4) at times in ns, since both origins were taken at `engaged_ns`.
+    """The path of the tool: `base_T_tool` (4 x 4) at times in ns, since both origins were taken at `engaged_ns`.
 
     `postures` are the joints there, rad, and `openings_m` the gripper's, NaN where none is measured. `hindered` counts,
     by code, what kept the tool from its target: samples as in the thesis, ticks in the pipeline.

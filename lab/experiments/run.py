@@ -1,16 +1,18 @@
-"""Runs an experiment by its name, shows its progress, and writes its folder."""
+"""Runs an experiment by its name, or all with a page of their results, shows its progress, and writes its folder."""
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Sequence
 from importlib import metadata
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from common.errors import ConfigError, InterruptionError
-from farhand.outputs import check_folder, make_folder
+from farhand.outputs import check_folder, make_folder, write_result
 from farhand.reports.plotting import require_matplotlib
-from farhand.tracking.run import prepare_tracker
+from farhand.tracking.track_run import prepare_tracker
 from lab.experiments import follow
 from lab.experiments.placing import causes, over_network
 from lab.experiments.placing import series as placing
@@ -18,7 +20,7 @@ from lab.experiments.placing.kept_trials import KeptTrials
 from lab.experiments.placing.live import series as realtime
 from lab.experiments.placing.trials import TrialExperiment, run_all
 from lab.experiments.report import ExperimentReport, Progress, write_report
-from lab.experiments.results.every import run_every
+from lab.experiments.results.results_page import as_html, as_markdown
 from lab.experiments.robonaut import commanding, drift, hazel
 from lab.experiments.thesis import calibration, icr, markers
 from local_site.tracking.choice import TrackingConfig
@@ -43,6 +45,7 @@ REAL_TIME = "realtime"  # depends on the machine, so that it is not part of the 
 NAMES = sorted([*REPEATABLE, REAL_TIME])
 ALL = "all"
 VERSION = metadata.version("farhand")
+DONE = "done.json"  # which experiments of the folder are finished, and whether they were quick
 
 
 def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], bool] = lambda: False) -> str:
@@ -90,3 +93,45 @@ def _run(name: str, out: Path, quick: bool, progress: ProgressBar, should_stop: 
     frame_count, experiment = EXPERIMENTS[name]
     progress.update(task, total=frame_count(quick))
     return experiment(quick, step)
+
+
+def run_every(
+    names: Sequence[str], run: Callable[[str], ExperimentReport], out: Path, quick: bool, version: str
+) -> str:
+    """Run all experiments, each into a folder of its own, and write results.md and results.html of those that are done.
+
+    What is done in this folder already is not run again, unless it was of another version, or quick and is not to be.
+    ConfigError when a folder cannot be written, or what is done cannot be read.
+    """
+    for name in names:
+        if not _is_done(out / name, quick, version):
+            check_folder("--out", out / name)
+            make_folder("--out", out / name)
+            write_report(run(name), out / name)
+            write_result(out / name / DONE, json.dumps({"version": version, "quick": quick}).encode())
+        _write_page([each for each in names if _is_done(out / each, quick, version)], out, quick, version)
+    return f"every table and figure is listed in {out / 'results.md'}"
+
+
+def _write_page(names: Sequence[str], out: Path, quick: bool, version: str) -> None:
+    reports = {name: _figures(out / name) for name in names}
+    write_result(out / "results.md", as_markdown(reports, version, quick).encode())
+    write_result(out / "results.html", as_html(reports, version, quick).encode())
+
+
+def _is_done(folder: Path, quick: bool, version: str) -> bool:
+    try:
+        done = json.loads((folder / DONE).read_text())
+    except (OSError, ValueError):
+        return False
+    return bool(done == {"version": version, "quick": quick})
+
+
+def _figures(folder: Path) -> dict[str, Any]:
+    try:
+        figures: dict[str, Any] = json.loads((folder / "report.json").read_text())
+    except (OSError, ValueError) as error:
+        raise ConfigError(
+            f"{folder / 'report.json'} cannot be read ({error}); remove {folder} and run again"
+        ) from error
+    return figures

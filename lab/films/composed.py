@@ -4,13 +4,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from common.cameras.camera import Image
 from common.errors import CalibrationError
 from common.geometry import Array
 from lab.films.arm.person import ColouredSurface, body_of, ellipsoid
 from lab.films.arm.skin import TONES, Tone
-from lab.films.cutout import Cutout, cut_out
 from lab.films.film import FilmInstant, HandTruth, TrackingFilm
 from lab.films.picture.light import linear, srgb
 from lab.films.picture.rendering import FilmLayer, Picture, lay
@@ -31,11 +33,15 @@ UPPER_ARM_M = 0.26
 SLEEVE_M, SLEEVE_BEYOND_M = 0.066, 0.03
 CLOTH = (84, 96, 120)
 SIZE = (640, 480)
+ARM_ABOVE = 26  # grey levels; the wall stays below
+SURE_PX, EDGE_PX = 3, 3  # how far inside and outside of the arm's edge the matte is mixed
+INNER_SIGMA_PX = 3.0
+LEAST_CONTRAST = 20.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ComposedFilm:
-    """What is composed: a recording, skin, surroundings; `empty_s` is how long the arm is missing first."""
+    """The parts of a film: a recording, skin, surroundings; `empty_s` is how long the arm is missing first."""
 
     name: str
     recording: RecordingName
@@ -43,6 +49,19 @@ class ComposedFilm:
     setting: FilmSetting = FilmSetting(noise=1.5)  # noqa: RUF009
     empty_s: float = 0.0
     seed: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Cutout:
+    """An arm, cut out of its dark wall by brightness: its part of the picture from `left`, `top`.
+
+    Its own grey levels (h, w), and the soft matte (h, w), how much of each pixel it is, from 0 to 255.
+    """
+
+    left: int
+    top: int
+    grey: Image
+    matte: Image
 
 
 def composed_film(config: ComposedFilm) -> TrackingFilm:
@@ -139,3 +158,34 @@ def _tinted(tone: Tone) -> Picture:
     light = (linear(np.arange(256.0)) / linear(np.array(EVENLY_LIT)))[:, None]
     colour = srgb(linear(np.array(TONES[tone]))[::-1] * np.clip(light, 0.0, None) ** SHADOW_REDNESS)
     return colour.astype(np.float32)
+
+
+def cut_out(image: Image) -> Cutout | None:
+    """The brightest thing before the dark wall of a picture (H, W, 3) or (H, W); None where all is dark."""
+    grey = image if image.ndim == 2 else np.asarray(image[..., 1], dtype=np.uint8)
+    bright = (cv2.GaussianBlur(grey, (0, 0), 1.0) > ARM_ABOVE).astype(np.uint8)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(bright)
+    if count < 2:
+        return None
+    arm = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
+    x, y, width, height = (int(v) for v in stats[arm, :4])
+    margin = 2 * EDGE_PX
+    left, top = max(x - margin, 0), max(y - margin, 0)
+    part = np.s_[top : y + height + margin, left : x + width + margin]
+    wall = float(np.median(grey[bright == 0]))
+    return Cutout(left, top, *_matted(grey[part], (labels[part] == arm).astype(np.uint8), wall))
+
+
+def _matted(grey: Image, mask: NDArray[np.uint8], wall: float) -> tuple[Image, Image]:
+    """The arm's levels carried on over its edge, and the matte by which the picture mixes them with the wall."""
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (3, 3))
+    sure = cv2.erode(mask, disc, iterations=SURE_PX).astype(np.float32)
+    levels = grey.astype(np.float32)
+    weight = cv2.GaussianBlur(sure, (0, 0), INNER_SIGMA_PX)
+    carried = cv2.GaussianBlur(levels * sure, (0, 0), INNER_SIGMA_PX) / np.maximum(weight, 1e-3)
+    known = weight > 1e-3
+    matte = np.clip((levels - wall) / np.maximum(carried - wall, LEAST_CONTRAST), 0.0, 1.0)
+    near = cv2.dilate(mask, disc, iterations=EDGE_PX) > 0
+    matte = np.where(sure > 0, 1.0, np.where(near & known, matte, mask * near))
+    arm = np.where(sure > 0, levels, np.where(known, carried, levels))
+    return arm.astype(np.uint8), np.rint(255.0 * matte).astype(np.uint8)

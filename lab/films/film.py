@@ -1,4 +1,4 @@
-"""What a film is: a calibrated rig, and instants with colour pictures and the truth."""
+"""A film: a calibrated rig, and instants with colour pictures and the truth."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
-from lab.films.arm.arm_mesh import MESH, Body, load_arm_mesh
+from lab.films.arm.arm_mesh import Body, load_arm_mesh
 from lab.films.arm.motions import ArmMotion, FilmMotion
 from lab.films.arm.person import FilmedPerson, PersonInMotion
 from lab.films.arm.postures import PostureName
@@ -39,7 +39,7 @@ class FilmedArm:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeshFilm:
-    """What a film shows; without an `arm` there is nothing to be tracked.
+    """The contents of a film; without an `arm` there is nothing to be tracked.
 
     `size` is (width, height) in px; `empty_s` is how long the room is empty first, after which the operator comes in.
     """
@@ -111,6 +111,6 @@ class _Stage:
 
 
 def _operator(arm: FilmedArm, seed: int) -> FilmedPerson:
-    mesh = load_arm_mesh(MESH, arm.body)
+    mesh = load_arm_mesh(arm.body)
     motion = ArmMotion(arm.motion, mesh.upper_arm_m, mesh.forearm_m, np.radians(arm.roll_deg), seed)
     return FilmedPerson(mesh, motion, arm.posture, arm.tone, SHIRTS[seed % len(SHIRTS)], arm.right, seed=seed)

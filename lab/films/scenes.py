@@ -1,4 +1,4 @@
-"""What trackers are measured on: the simulated operator's motions and bodies, and recordings of an arm with truth."""
+"""Scenes to measure trackers on: the simulated operator's motions and bodies, and recordings of an arm with truth."""
 
 import json
 from collections.abc import Callable, Iterator

@@ -1,21 +1,22 @@
-"""What is before the cameras beside the operator: a room, perhaps a second person, and how pictures are taken."""
+"""Surroundings of the operator before the cameras: a room, perhaps a second person, and how pictures are taken."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
+from numpy.random import Generator
 
-from common.cameras.camera import Frame
+from common.cameras.camera import Frame, Image
 from common.clock import NS_PER_S
 from common.geometry import Array
-from lab.films.arm.arm_mesh import MESH, load_arm_mesh
+from lab.films.arm.arm_mesh import load_arm_mesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.person import ColouredSurface, FilmedPerson
 from lab.films.arm.skin import Tone
 from lab.films.picture.light import Lighting, lit
 from lab.films.picture.rendering import FilmLayer, Picture, lay, rendered
 from lab.films.picture.rigs import Size
-from lab.films.picture.sensor import Sensor
 from lab.films.room.backdrop import SeenRoom
 from lab.films.room.rooms import RoomName, furnished
 from local_site.calibration.physical_camera import PhysicalCamera
@@ -23,6 +24,8 @@ from local_site.tracking.tracker import View, Views
 
 SECOND_AT = np.array([-0.05, 0.75, 0.05])
 SKIN_SHIRT = (205, 160, 130)
+FOCUS_SIGMA_PX = 0.55
+NOISE_MARGIN_PX = 61  # every picture shows another part of one larger picture of noise
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +36,26 @@ class FilmSetting:
     second_person: bool = False
     shutter_s: float = 0.008
     noise: float = 2.0
+
+
+class Sensor:
+    """What a lens and a sensor make of pictures of one size (width, height): a little blur, noise, whole grey levels.
+
+    The noise is of one strength in grey levels.
+    """
+
+    def __init__(self, size: tuple[int, int], noise: float, random: Generator) -> None:
+        self._random = random
+        shape = (size[1] + NOISE_MARGIN_PX, size[0] + NOISE_MARGIN_PX, 3)
+        self._noise = np.rint(random.normal(0.0, noise, shape)).astype(np.int16)
+
+    def exposed(self, picture: Picture) -> Image:
+        """The picture (H, W, 3) as it is read out."""
+        soft = cv2.GaussianBlur(cv2.convertScaleAbs(picture), (3, 3), FOCUS_SIGMA_PX)
+        height, width = soft.shape[:2]
+        top, left = self._random.integers(0, NOISE_MARGIN_PX, 2)
+        noise = self._noise[top : top + height, left : left + width]
+        return np.asarray(cv2.add(soft, noise, dtype=cv2.CV_8U), dtype=np.uint8)
 
 
 class Surroundings:
@@ -51,7 +74,7 @@ class Surroundings:
         self._sensor = Sensor(size, setting.noise, random)
 
     def pictures(self, t_s: float) -> list[Picture]:
-        """What each camera sees without the operator; the caller may draw on it."""
+        """Draw what each camera sees without the operator; the caller may draw on it."""
         pictures = [room.at(t_s) for room in self._rooms]
         if self._second is not None:
             times = self.exposure(t_s)
@@ -60,7 +83,7 @@ class Surroundings:
         return pictures
 
     def layers(self, exposures: Sequence[ColouredSurface]) -> list[FilmLayer | None]:
-        """What each camera sees of a surface, given at both ends of an exposure or once."""
+        """Render what each camera sees of a surface, given at both ends of an exposure or once."""
         surface = exposures[0]
         colours = lit(surface.vertices, surface.triangles, surface.albedo, self._lighting)
         vertices = [exposure.vertices for exposure in exposures]
@@ -79,7 +102,7 @@ class Surroundings:
 
 
 def _second(tone: Tone, seed: int) -> FilmedPerson:
-    mesh = load_arm_mesh(MESH, "muscular")
+    mesh = load_arm_mesh("muscular")
     motion = ArmMotion("toggle", mesh.upper_arm_m, mesh.forearm_m, np.radians(20.0), seed)
     return FilmedPerson(mesh, motion, "u_shape", tone, SKIN_SHIRT, right=False, offset=SECOND_AT, seed=seed)
 

@@ -1,21 +1,18 @@
-"""How many cells one router carries: 1, 2, 4, 8, 16 in parallel, with hands and scaled video: latency, CPU, memory."""
+"""Cells that one router carries: 1, 2, 4, 8, 16 in parallel, with hands and scaled video: latency, CPU, memory."""
 
-import subprocess
-import sys
-import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
-from functools import partial
 
 import numpy as np
 
 from common.clock import NS_PER_MS
+from common.link.channel_feeds import ChannelFeeds
 from common.link.channels import CAMERA, HAND, ChannelSession
 from common.link.transport import open_link
 from common.messages.hand import HandArm, TrackingStatus
 from common.messages.video import Codec, VideoFrame
-from farhand.loopback.site_process import free_ports
+from farhand.loopback.site_process import SiteProcess, free_ports, module_command, options_of
 from lab.measure.video.link import live_frame
 from lab.stage.processes import cpu_s, memory_mb
 from remote_site.video.streaming.encoding import Encoded
@@ -23,7 +20,6 @@ from remote_site.video.streaming.encoding import Encoded
 COUNTS = (1, 2, 4, 8, 16)
 SECONDS = 5.0
 SETTLE_S = 1.5
-START_S = 30.0
 RATE_HZ = 30.0
 OPERATOR = "anna"
 VIEWS = ("front_high", "front_low", "side", "gripper")
@@ -42,8 +38,8 @@ def measure(counts: Sequence[int] = COUNTS, seconds: float = SECONDS) -> Figures
 def run(count: int, seconds: float) -> Figures:
     """One router as a process, and the sites of all cells in this one."""
     endpoint, cells = f"tcp/127.0.0.1:{free_ports(1)[0]}", [f"cell-{k}" for k in range(count)]
-    arguments = ["--set", f'listen=["{endpoint}"]']  # without certificates a router passes on every cell's messages
-    router = subprocess.Popen([sys.executable, "-m", "farhand", "router", *arguments], stderr=subprocess.DEVNULL)  # noqa: S603  # our own program
+    options = options_of([f'listen=["{endpoint}"]'])  # without certificates a router passes on every cell's messages
+    router = SiteProcess("router", module_command("farhand", "router", *options), {})
     try:
         with ExitStack() as stack:
             played = [LinkedCell(cell, endpoint, stack) for cell in cells]
@@ -55,14 +51,15 @@ def run(count: int, seconds: float) -> Figures:
             load = (cpu_s(router.pid) - used_s) / (time.monotonic() - began)
             return _figures(played) | {"router_cpu": load, "router_mb": memory_mb(router.pid)}
     finally:
-        router.terminate()
-        router.wait(START_S)
+        router.end()
 
 
 class LinkedCell:
     """Both sites of a cell: the local one sends the hand and receives the pictures, the remote one the reverse."""
 
     def __init__(self, name: str, endpoint: str, stack: ExitStack) -> None:
+        feeds = ChannelFeeds()
+        stack.callback(feeds.join)  # once the links are closed
         remote, video = (
             stack.enter_context(open_link(connect=(endpoint,), through_router=True, sessions=[session]))
             for session in ChannelSession
@@ -71,10 +68,9 @@ class LinkedCell:
         self._hand = local.publisher(HAND, name, operator=OPERATOR)
         self._cameras = {view: video.publisher(CAMERA, name, view) for view in VIEWS}
         self.forget()
-        feeds: list[Callable[[], None]] = [partial(remote.latest(HAND, name).feed, self._take_hand)]
-        feeds += [partial(local.latest(CAMERA, name, view).feed, self._take_picture) for view in VIEWS]
-        for feed in feeds:
-            threading.Thread(target=feed, daemon=True).start()
+        feeds.add(remote.latest(HAND, name), self._take_hand)
+        for view in VIEWS:
+            feeds.add(local.latest(CAMERA, name, view), self._take_picture)
 
     def _take_hand(self, hand: HandArm, now_ns: int) -> None:
         self.hand_ages_ms.append((now_ns - hand.capture_ns) / NS_PER_MS)

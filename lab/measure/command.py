@@ -32,18 +32,17 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from lab.measure import cells, fuzz, load, rendering
+from lab.measure import cells, endurance, fuzz, load, rendering
 from lab.measure.control import tick as control
-from lab.measure.endurance import run as endurance
-from lab.measure.page import run as page
-from lab.measure.recording import run as recording
-from lab.measure.soak import run as soak
+from lab.measure.page import page_bench as page
+from lab.measure.recording import recording_bench as recording
+from lab.measure.soak import worst_commands as soak
 from lab.measure.tracking import comparison as tracking
 from lab.measure.tracking import monocular
 from lab.measure.video import views as video
-from lab.measure.wan import run as wan
+from lab.measure.wan import wan_bench as wan
 from lab.measure.wan.links import FULL, LINKS
-from lab.mutants import run as mutants
+from lab.mutants import survivors as mutants
 
 BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "cells": cells.measure,

@@ -1,4 +1,4 @@
-"""How long the simulated operator takes to draw a stereo pair, and the cell its views, with their size as JPEG."""
+"""Times to draw the simulated operator's stereo pair and the cell's views, with their size as JPEG."""
 
 import math
 import statistics

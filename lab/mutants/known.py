@@ -1,4 +1,4 @@
-"""What runs before this one found of the mutants, kept in a file: a run that was ended goes on where it stopped."""
+"""Results of earlier runs on the mutants, kept in a file: a run that was ended goes on where it stopped."""
 
 import ast
 import hashlib
@@ -27,7 +27,7 @@ class KnownResults:
         self._survived = dict(_read(path))
 
     def survived(self, key: str) -> bool | None:
-        """Whether no test noticed the mutant; None where that has not been tried."""
+        """Return whether no test noticed the mutant; None where that has not been tried."""
         return self._survived.get(key)
 
     def note(self, result: Result) -> None:
@@ -52,7 +52,7 @@ def _digest(tests: tuple[Path, ...]) -> str:
 
 
 def _read(path: Path) -> list[tuple[str, bool]]:
-    """What a file holds; a last line that a killed run has left unfinished is none, and is cut off."""
+    """Read what a file holds; a last line that a killed run has left unfinished is none, and is cut off."""
     if not path.is_file():
         return []
     whole, _, unfinished = path.read_bytes().rpartition(b"\n")

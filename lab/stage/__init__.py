@@ -1,1 +1,1 @@
-"""Emulated hosts, links, operators and cameras, between which both sites are measured."""
+"""What sites are measured and tested on: their programs, emulated hosts, links, operators; and stepped time."""

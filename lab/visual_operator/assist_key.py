@@ -1,4 +1,4 @@
-"""When the operator holds A: where the page offers to lead the tool to what the step under way is for."""
+"""The key A, which the operator holds where the page offers to lead the tool to what the step under way is for."""
 
 from enum import Enum
 

@@ -48,7 +48,7 @@ class TimedMovement:
 
 @dataclass
 class ScriptedHand:
-    """Where the hand is, as the simulated operator's `Path`: from the start pose, in the operator frame."""
+    """The hand's motion, as the simulated operator's `Path`: from the start pose, in the operator frame."""
 
     motor: Motor
     seed: int
@@ -76,7 +76,7 @@ class ScriptedHand:
         return start_s + 2 * OPENING_S + OPEN_S
 
     def aim(self) -> tuple[Array, Array]:
-        """Where the last movement ends, without noise: offset and turn."""
+        """Return where the last movement ends, without noise: offset and turn."""
         return self._movement.offsets[1], self._movement.turns[1]
 
     def at(self, t_s: float) -> tuple[Array, Array, float]:
@@ -88,7 +88,7 @@ class ScriptedHand:
         return offset + noise[:3], vector_from_rotation(turned), openness
 
     def openings_until(self, t_s: float) -> int:
-        """How often the hand has begun to open."""
+        """Count how often the hand has begun to open."""
         return sum(t_s >= start for start in self.openings_s)
 
     def _noise_at(self, t_s: float) -> Array:

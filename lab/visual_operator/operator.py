@@ -34,7 +34,7 @@ See = Callable[[ShownPage], Scene]  # what is on a page: the sight, or what stan
 
 @dataclass
 class Notes:
-    """What the operator did: the steps with their times (s), clutches, grasps that missed, placings it judged."""
+    """A record of what the operator did: steps with their times (s), clutches, grasps that missed, placings judged."""
 
     steps: list[tuple[float, str]] = field(default_factory=list)
     clutches: int = 0
@@ -45,7 +45,7 @@ class Notes:
 
 @dataclass
 class _Timing:
-    """When the operator goes on, s: pictures from before `look_s` tell nothing; the key is pressed at `press_s`.
+    """The times at which the operator goes on, s: pictures from before `look_s` tell nothing; it presses at `press_s`.
 
     The gripper should have done what was asked of it by `gripped_s`. None: there is nothing to wait for. An arm rests
     `settle_s` after the hand.
@@ -108,7 +108,7 @@ class VisualOperator:
             timing.press_s, timing.look_s = None, now_s + timing.settle_s
 
     def _wait_for_arm(self, now_s: float) -> None:
-        """Let the site take the arm up again by itself; after a while let go of the key, and press it anew."""
+        """Let the site take the arm up again by itself; after a while let go of the key, and press it again."""
         if now_s - self._timing.look_s > PATIENCE_S:
             self._clutch(np.zeros(3), now_s)
 
@@ -227,7 +227,7 @@ class VisualOperator:
 
 
 def _fallen(scene: Scene) -> bool:
-    """Whether the block lies on the table, where the gripper cannot take it."""
+    """Return whether the block lies on the table, where the gripper cannot take it."""
     return scene.block is not None and float(np.arccos(np.clip(scene.block[2, 2], -1.0, 1.0))) > FALLEN
 
 

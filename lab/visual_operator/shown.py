@@ -1,4 +1,4 @@
-"""What the operator's page shows: pictures with their age and calibration, the session's state, the gripper."""
+"""The operator's page as shown: pictures with their age and calibration, the session's state, the gripper."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

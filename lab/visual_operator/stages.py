@@ -18,14 +18,14 @@ Goal = Callable[[PlacingTask, Scene], Array | None]
 
 
 class Moves(Enum):
-    """What a step brings to its goal."""
+    """The thing that a step brings to its goal."""
 
     GRIPPER = "gripper"
     BLOCK = "block"
 
 
 class Act(Enum):
-    """What is done once a step's goal is reached."""
+    """The action once a step's goal is reached."""
 
     NOTHING = "nothing"
     CLOSE = "close"
@@ -89,7 +89,7 @@ RETREAT = (Stage("retreat", Moves.GRIPPER, _grasp(BACK_M, 0.0), 0.02, np.radians
 
 
 class Course:
-    """How far the task has come: grasp, place, retreat, and anew where grasp or place was bad."""
+    """The progress of the task: grasp, place, retreat, and again where grasp or place was bad."""
 
     def __init__(self) -> None:
         self._stages: Sequence[Stage] = GRASP
@@ -102,7 +102,7 @@ class Course:
 
     @property
     def holding(self) -> bool:
-        """Whether the block is in the gripper."""
+        """Return whether the block is in the gripper."""
         return self._stages is PLACE
 
     def seen(self, reached: bool) -> bool:
@@ -122,5 +122,5 @@ class Course:
         return True
 
     def restart(self) -> None:
-        """Grasp the block anew."""
+        """Grasp the block again."""
         self._stages, self._at, self._looks = GRASP, 0, 0

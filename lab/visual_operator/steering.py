@@ -1,4 +1,4 @@
-"""How the hand must move so that the gripper, or the block in it, comes to its goal; when to bring it back."""
+"""Steering of the hand so that the gripper, or the block in it, comes to its goal; when to bring it back."""
 
 from typing import NamedTuple
 

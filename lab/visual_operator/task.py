@@ -1,4 +1,4 @@
-"""What the operator knows beforehand: the block, the target, the table, the gripper; sizes in m."""
+"""The task as the operator knows it beforehand: the block, the target, the table, the gripper; sizes in m."""
 
 from dataclasses import dataclass, field
 from itertools import product

@@ -47,13 +47,13 @@ class Capture:
             return views
 
     def problem(self) -> str | None:
-        """Why there are no views, as a sentence; None when all is well."""
+        """Say why there are no views, in a sentence; None when all is well."""
         with self._changed:
             return self._failure or self._pairing.problem(self._clock.now_ns())
 
     @property
     def ended(self) -> bool:
-        """Whether a camera has failed or come to its end, so that no more views will come."""
+        """Return whether a camera has failed or come to its end, so that no more views will come."""
         return self._reading < len(self._cameras)
 
     def close(self) -> None:

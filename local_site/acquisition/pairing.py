@@ -66,7 +66,7 @@ class Pairing:
         return views
 
     def problem(self, now_ns: int) -> str | None:
-        """Why no views come, as a sentence; None when all is well."""
+        """Say why no views come, in a sentence; None when all is well."""
         for track in self._tracks:
             silent_s = (now_ns - track.newest_ns) / NS_PER_S
             if silent_s * 1e3 > self._config.stale_ms:

@@ -11,9 +11,9 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from common.cameras.camera import Camera, Frame
+from common.cameras.camera import Camera, Frame, Source
 from common.cameras.settings import AS_IT_IS, DEFAULT_LATENCY_MS, CameraSettings
-from common.cameras.sources import Source, damage_of, open_camera, recorded_fps
+from common.cameras.sources import damage_of, open_camera, recorded_fps
 from common.clock import Clock
 from common.errors import CameraError, ConfigError
 from local_site.acquisition.same_source import refuse_same
@@ -29,7 +29,7 @@ SIMULATED = "simulated"
 
 
 class RecordingStart:
-    """When the recordings of a rig began: all together, as soon as the first of them is read."""
+    """The time at which a rig's recordings began: all together, as soon as the first of them is read."""
 
     def __init__(self, clock: Clock) -> None:
         self._clock, self._lock = clock, threading.Lock()
@@ -106,7 +106,7 @@ class OperatorConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
     @property
     def is_simulated(self) -> bool:
-        """Whether the operator is a simulated one."""
+        """Return whether the operator is a simulated one."""
         return self.left == SIMULATED
 
     @property

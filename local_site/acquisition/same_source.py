@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from itertools import combinations
 from pathlib import Path
 
+from common.cameras.camera import Source
 from common.cameras.images import IMAGE_SUFFIXES
 from common.cameras.modes import device_of
 from common.cameras.shown_source import shown_source
-from common.cameras.sources import Source
 from common.errors import ConfigError
 
 
@@ -21,7 +21,7 @@ def refuse_same(sources: Mapping[str, Source]) -> None:
 
 
 def _likeness(one: str, other: str) -> str:
-    """What two sources have in common, if they are one; else empty."""
+    """Say what two sources have in common if they are one; empty if they are not."""
     a, b = (Path(device_of(source) or source) for source in (one, other))
     if one == other or a.resolve() == b.resolve():
         return "are the same"

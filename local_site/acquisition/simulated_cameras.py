@@ -35,7 +35,7 @@ Publish = Callable[[int, Image, int], None]
 
 
 class Beginning:
-    """When the simulated operator began to move, ns; processes forked later see it as soon as it is set."""
+    """The time when the simulated operator began to move, ns; processes forked later see it as soon as it is set."""
 
     def __init__(self) -> None:
         self._t_ns = np.frombuffer(mmap.mmap(-1, 8), np.int64)
@@ -47,12 +47,12 @@ class Beginning:
             self._t_ns[0] = t_ns
 
     def elapsed_s(self, t_ns: int) -> float:
-        """How long the operator has been moving at a time, s: zero before the beginning."""
+        """Return how long the operator has been moving at a time, s: zero before the beginning."""
         begun_ns = int(self._t_ns[0])
         return 0.0 if begun_ns == UNSET else max(0.0, (t_ns - begun_ns) / NS_PER_S)
 
     def time_ns(self, elapsed_s: float) -> int:
-        """When the operator has been moving for so long."""
+        """Return the time at which the operator has been moving for so long, ns."""
         return int(self._t_ns[0]) + round(elapsed_s * NS_PER_S)
 
 

@@ -47,7 +47,7 @@ ASK_EVERY_S = 0.1
 
 
 def tell_by_tls(link: Link, cell: str, operator: str, reason: str) -> bool:
-    """Whether the remote site was told, at the endpoint of a QUIC link, where it listens for TLS as well."""
+    """Report to the remote site over TLS, where a QUIC link's endpoint has it as well; return whether it answered."""
     fallback = link.tls_fallback()
     if fallback is None:
         return False
@@ -66,7 +66,7 @@ def tell_by_tls(link: Link, cell: str, operator: str, reason: str) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class LeaseAndClock:
-    """What every sample carries: the lease's number (0 without one), and the clock offset where it is known."""
+    """The lease and clock of every sample: the lease's number (0 without one), and the offset where it is known."""
 
     lease: int = 0
     clock: ClockSync | None = None

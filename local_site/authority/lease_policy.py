@@ -1,4 +1,4 @@
-"""When the local site acquires and renews the lease of the cell; pure."""
+"""Policy of the local site's lease of the cell: when to acquire it, and when to renew it; pure."""
 
 from dataclasses import dataclass
 
@@ -41,7 +41,7 @@ class LeasePolicy:
         return lease.number if lease is not None and now_ns < lease.expires_ns else 0
 
     def due(self, now_ns: int) -> LeaseAction | None:
-        """What to request from the remote site now; None for nothing."""
+        """Return what to request from the remote site now; None for nothing."""
         if self._lease is not None and now_ns >= self._lease.expires_ns:
             self._lease = None
         if self._lease is not None:
@@ -81,7 +81,7 @@ class LeasePolicy:
         self._ask_until_ns = 0
 
     def _is_renewed(self, reply: LeaseReply, asked_ns: int, now_ns: int) -> bool:
-        """Whether the lease of our name that another session holds is renewed, so that it is no former one of ours.
+        """Return whether another session renewed the lease of our name, so that it is no former one of ours.
 
         The reply was made between `asked_ns` and `now_ns`.
         """

@@ -1,4 +1,4 @@
-"""What the local site logs of the remote one: whether it is there, and the arm's state with its reason."""
+"""The local site's log of the remote one: whether it is there, and the arm's state with its reason."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ CODES_APART_NS = NS_PER_S  # near a limit a reason comes and goes with every sam
 
 @dataclass
 class ChannelHealth:
-    """Whether a channel is alive: it falls silent `stale_after_ns` after its last message."""
+    """The health of a channel: it falls silent `stale_after_ns` after its last message."""
 
     stale_after_ns: int
     last_ns: int | None = None
@@ -69,7 +69,7 @@ class RemoteWatch:
 
     @property
     def is_there(self) -> bool:
-        """Whether the remote site is heard."""
+        """Return whether the remote site is heard."""
         return self._health.alive
 
     def poll(self, now_ns: int) -> None:
@@ -93,7 +93,7 @@ class RemoteWatch:
             self.summary.note(None, now_ns)
 
     def _log_silence(self) -> None:
-        """Log that no state comes any more; the last one may have told why."""
+        """Log that no state comes any more; the last one may have said why."""
         if self.state is not None and self.state.code == SITE_ENDED:
             structlog.get_logger().info("the remote site has ended", reason=self.state.reason)
         else:

@@ -55,7 +55,7 @@ class Board:
 
 @dataclass(frozen=True, slots=True)
 class BoardView:
-    """Which corners (M,) of a board a picture shows, and where: pixels (M, 2)."""
+    """The corners of a board that a picture shows: their numbers (M,) and pixels (M, 2)."""
 
     ids: NDArray[np.int64]
     pixels: Array
@@ -78,7 +78,7 @@ class BoardFinder:
         return view if view is not None and len(view.ids) >= MIN_CORNERS else None
 
     def finds_mirrored(self, picture: Image) -> bool:
-        """Whether the board is seen in the mirrored picture: then the camera mirrors. A chessboard does not show it."""
+        """Check whether the mirrored picture shows the board: then the camera mirrors. A chessboard does not tell."""
         flipped = np.ascontiguousarray(as_grey(picture)[:, ::-1])
         return self._board.kind == "charuco" and self.find(picture) is None and self.find(flipped) is not None
 
@@ -102,7 +102,7 @@ class BoardFinder:
 
 
 def _spacing(corners: NDArray[np.float32]) -> float:
-    """How near the nearest two of corners (M, 2) are, px."""
+    """Return the distance between the nearest two of the corners (M, 2), px."""
     apart = np.linalg.norm(corners[:, None] - corners[None], axis=2)
     return float(np.min(apart + np.diag(np.full(len(corners), np.inf)))) if len(corners) > 1 else 0.0
 
@@ -153,7 +153,7 @@ class PoseGate:
         self._still = 0
 
     def offer(self, pose: Pose) -> bool:
-        """Whether this pose is kept: seen by two cameras, still for some frames, and new to one of the cameras."""
+        """Keep a pose that two cameras see, still for some frames, and new to one of them; return whether it was."""
         seen = sum(view is not None for view in pose) >= MIN_CAMERAS
         unmoved = seen and bool(self._last) and moved(pose, self._last) < STILL_PX
         self._still = self._still + 1 if unmoved else 0
@@ -166,7 +166,7 @@ class PoseGate:
 
 
 def moved(pose: Pose, other: Pose) -> float:
-    """How far the corners moved on average, px, in the camera where they moved most; infinite if none is in both."""
+    """Return how far the corners moved on average, px, where they moved most; infinite if no camera has both."""
     distances = [_distance(a, b) for a, b in zip(pose, other, strict=True) if a is not None and b is not None]
     return max(distances, default=np.inf)
 

@@ -47,45 +47,45 @@ TURNED_AXES = (
 
 
 def unusable(pixels: Array) -> str:
-    """Why these pixels (N, 2) give no camera, with the cure; empty if they may."""
+    """Say why these pixels (N, 2) give no camera, with the cure; empty if they may."""
     spread = np.linalg.svd(pixels - pixels.mean(axis=0), compute_uv=False)
     return NONSENSE if spread[0] == 0.0 or spread[1] < MIN_SPREAD * spread[0] else ""
 
 
 def fits_no_camera(residuals: Array, pixels: Array) -> bool:
-    """Whether too many of the residuals (N,) of pixels (N, 2) are too large for a camera, its lens and its noise."""
+    """Return whether too many residuals (N,) of pixels (N, 2) are too large for a camera, its lens and its noise."""
     extent = float(np.linalg.norm(np.ptp(pixels, axis=0)))
     return float(np.quantile(residuals, MIN_AGREEING)) > MAX_RELATIVE_RESIDUAL * extent
 
 
 def same_view(cameras: Sequence[PhysicalCamera], points: Array) -> str:
-    """What to do if the first two cameras see the points (N, 3) from one direction; empty if all is well."""
+    """Say what to do if the first two cameras see the points (N, 3) from one direction; empty if all is well."""
     rays = [np.median(points, axis=0) - camera.centre for camera in cameras[:2]]
     first, second = (ray / max(float(np.linalg.norm(ray)), 1e-12) for ray in rays)
     return SAME_VIEW if float(np.linalg.norm(np.cross(first, second))) < MIN_PARALLAX else ""
 
 
 def upside_down(camera: PhysicalCamera) -> bool:
-    """Whether what is below in the camera's picture lies above in the operator frame."""
+    """Return whether what is below in the camera's picture lies above in the operator frame."""
     # A camera that faces a tilted first board looks past the vertical of its frame, and is not upside down.
     return rolled_over(camera) or float(camera.camera_R_operator[1, 2]) > MIN_OVERTURNED
 
 
 def rolled_over(camera: PhysicalCamera) -> bool:
-    """Whether both axes of the camera's picture run the other way in the operator frame."""
+    """Return whether both axes of the camera's picture run the other way in the operator frame."""
     right, down, _ = camera.camera_R_operator
     return float(down[2]) > MIN_TURNED and float(right[0]) < 0
 
 
 def odd_orientation(camera: PhysicalCamera) -> str:
-    """What to do about a camera with an unusual orientation; empty if all is well."""
+    """Say what to do about a camera with an unusual orientation; empty if all is well."""
     if upside_down(camera):
         return UPSIDE_DOWN
     return TURNED_AXES if float(camera.camera_R_operator[0, 0]) < -MIN_TURNED else ""
 
 
 def exchanged(cameras: Sequence[PhysicalCamera]) -> str:
-    """What to do if the left camera is to the right of the right one, as both see it; empty if all is well."""
+    """Say what to do if the left camera is to the right of the right one, as both see it; empty if all is well."""
     left, right = cameras[:2]
     baseline = right.centre - left.centre
     sideways = baseline / max(float(np.linalg.norm(baseline)), 1e-12)
@@ -120,7 +120,7 @@ def rig_mistakes(rig: Rig) -> list[str]:
 
 
 def _camera_mistakes(calibrated: CameraCalibration, middle: Array) -> Iterator[str]:
-    """What is wrong with one camera, given the middle (3,) of the volume, m."""
+    """Say what is wrong with one camera, given the middle (3,) of the volume, m."""
     matrix = _facing(calibrated.matrix, middle)
     if abs(float(np.linalg.det(matrix[:, :3]))) < MIN_DETERMINANT:
         yield "its projection is singular"
@@ -150,7 +150,7 @@ def _facing(matrix: Array, middle: Array) -> Array:
 
 
 def _is_a_cameras(matrix: Array, camera: PhysicalCamera) -> bool:
-    """Whether the projection is nearly that of square pixels in rows and columns."""
+    """Return whether the projection is nearly that of square pixels in rows and columns."""
     lens = camera.lens
     calibration = matrix[:, :3] @ camera.camera_R_operator.T
     skew = float(calibration[0, 1] / calibration[0, 0])

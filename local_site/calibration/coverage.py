@@ -27,7 +27,7 @@ def picture_coverage(pixels: Array, size: Size) -> float:
 
 
 def coverage_warnings(control: ControlPoints) -> tuple[str, ...]:
-    """What is poorly covered, a sentence with its cure each; pictures of unknown size are not judged."""
+    """Say what is poorly covered, a sentence with its cure each; pictures of unknown size are not judged."""
     sentences = []
     for name, pixels, size in zip(control.cameras, control.pixels, control.sizes, strict=False):
         covered = 1.0 if size is None else picture_coverage(pixels, size)

@@ -66,7 +66,7 @@ def _measure(grey: Image, labels: cv2.typing.MatLike, stats: cv2.typing.MatLike,
 
 
 def _weights(patch: Array, own: Image, free: NDArray[np.bool_]) -> Array:
-    """How much of each pixel is disc, from its grey between the ground's around and the disc's own."""
+    """Compute how much of each pixel is disc, from its grey between the ground's around and the disc's own."""
     near = _grown(own, EDGE_PX)
     ring = (_grown(own, RING_PX) > 0) & (near == 0) & free
     ground = float(np.median(patch[ring])) if np.any(ring) else float(patch.min())
@@ -102,7 +102,7 @@ class Lattice:
 
     @property
     def extent(self) -> Cell:
-        """How many columns and rows it spans."""
+        """Return how many columns and rows it spans."""
         columns, rows = (np.ptp(self.cells, axis=0) + 1).tolist()
         return columns, rows
 
@@ -226,7 +226,7 @@ def _upright(cells: NDArray[np.int64], pixels: Array, pixel_H_cell: Array, size:
 
 
 def _window(cells: NDArray[np.int64], size: Cell) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Which of the cells (M, 2) the best window of a plate's size holds (M,), and their least column and row (2,)."""
+    """Find the best window of a plate's size: its least column and row (2,), and which of the cells (M, 2) it holds."""
 
     def held(first: tuple[int, ...]) -> NDArray[np.bool_]:
         inside: NDArray[np.bool_] = np.all((cells >= first) & (cells < np.add(first, size)), axis=1)

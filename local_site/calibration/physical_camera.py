@@ -31,7 +31,7 @@ class Lens(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def is_distorted(self) -> bool:
-        """Whether it differs from a pinhole."""
+        """Return whether the lens differs from a pinhole."""
         return self.k1 != 0.0 or self.k2 != 0.0
 
     def distort_pixels(self, pixels: Array) -> Array:
@@ -53,7 +53,7 @@ class Lens(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return self._pixels(distorted / self._stretch(undistorted * undistorted))
 
     def folds_within(self, radius: float) -> bool:
-        """Whether the distortion is not monotonic up to this slope from the axis: such a lens cannot be inverted."""
+        """Return whether the distortion is not monotonic up to this slope from the axis: such a lens has no inverse."""
         squares = np.linspace(0.0, radius, 64) ** 2
         return bool(np.any(1.0 + squares * (3.0 * self.k1 + 5.0 * self.k2 * squares) <= 0.0))
 

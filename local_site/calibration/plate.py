@@ -122,7 +122,7 @@ def _beginnings(lattice: Lattice, discs: Sequence[Disc], plate: Plate, size_px: 
 
 
 def _ends(lattice: Lattice, discs: Sequence[Disc], axis: int, line: int, size_px: tuple[int, int]) -> bool:
-    """Whether discs of a line beyond the lattice would lie well inside the picture."""
+    """Return whether discs of a line beyond the lattice would lie well inside the picture."""
     along = np.arange(lattice.extent[1 - axis])
     cells = np.column_stack([np.full(len(along), line), along] if axis == 0 else [along, np.full(len(along), line)])
     reach = CLEARANCE * 2.0 * np.sqrt(np.max([np.diag(disc.covariance) for disc in discs], axis=0))

@@ -1,4 +1,4 @@
-"""What the poses of a board that were kept still lack: places, tilts and distances in each view."""
+"""Gaps in the kept poses of a board: the places, tilts and distances that each view still lacks."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ PLACES = (
 
 @dataclass(frozen=True, slots=True)
 class BoardAspect:
-    """How a view shows a board: its distance in m, and how far its right and its lower edge are turned nearer, deg."""
+    """A board as a view shows it: its distance in m, and how far its right and lower edges are turned nearer, deg."""
 
     distance: float
     right_nearer_deg: float
@@ -45,7 +45,7 @@ def aspect_of(view: BoardView, board: Board, size: Size) -> BoardAspect:
 
 
 def pose_gaps(poses: Sequence[Pose], board: Board, names: Sequence[str], sizes: Sequence[Size]) -> list[str]:
-    """What is missing, a sentence for each view and kind, and how many poses; empty if it is enough.
+    """Say what is missing, a sentence for each view and kind, and how many poses; empty if it is enough.
 
     `poses` are what all views show of each pose; `names` and `sizes` (width, height in px) are those of the views.
     """

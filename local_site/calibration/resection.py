@@ -41,7 +41,7 @@ def solve_projection(points: Array, pixels: Array) -> Array:
 
 
 def unsolvable(points: Array) -> str:
-    """Why these points (N, 3) cannot determine a camera, with the cure; empty if they may."""
+    """Say why these points (N, 3) cannot determine a camera, with the cure; empty if they may."""
     if len(points) < MIN_POINTS:
         return f"sees {len(points)} control points, needs at least {MIN_POINTS}; show it more of the plate"
     extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
@@ -208,6 +208,6 @@ def choose_camera(points: Array, pixels: Array, start: PhysicalCamera) -> tuple[
 
 
 def folds(camera: PhysicalCamera, points: Array) -> bool:
-    """Whether the lens's distortion is not invertible among the points, and so cannot be real."""
+    """Return whether the lens's distortion is not invertible among the points, and so cannot be real."""
     in_camera = camera.to_camera(points)
     return camera.lens.folds_within(float(np.max(np.linalg.norm(in_camera[:, :2] / in_camera[:, 2:], axis=1))))

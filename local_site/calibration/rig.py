@@ -65,7 +65,7 @@ class Rig(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return tuple(camera.matrix for camera in self.cameras)
 
     def contains(self, point: Array) -> bool:
-        """Whether a point (3,) in m lies in the box of the control points, extended by VOLUME_MARGIN of its sides."""
+        """Return whether a point (3,) in m lies in the control points' box, extended by VOLUME_MARGIN of its sides."""
         sides = zip(point.tolist(), self.volume_min, self.volume_max, strict=True)
         margin = VOLUME_MARGIN
         return all(low - margin * (high - low) < x < high + margin * (high - low) for x, low, high in sides)

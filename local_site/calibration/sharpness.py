@@ -1,4 +1,4 @@
-"""How sharp a picture shows a board: the blur of its edges."""
+"""Sharpness of a board in a picture: the blur of its edges."""
 
 import cv2
 import numpy as np

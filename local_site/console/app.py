@@ -71,7 +71,7 @@ class SiteRequests:
         return answered(lambda: self._local.ask(OPERATE, partial(OperatorRequest, action=action, to=to)))
 
     def record(self, action: RecordAction, outcome: EpisodeOutcome) -> Reply:
-        """What both sites reply to what is asked of their recorders."""
+        """Ask the recorders of both sites, and return what they reply."""
         return self._recorders.ask(action, outcome=outcome)
 
     def joints(self, shoulder: PicturePoint, elbow: PicturePoint, wrist: PicturePoint) -> Reply:

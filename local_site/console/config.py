@@ -54,7 +54,7 @@ class ServeConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     @property
     def is_loopback(self) -> bool:
-        """Whether only programs of this host can reach the page."""
+        """Return whether only programs of this host can reach the page."""
         try:
             return ipaddress.ip_address(self.host).is_loopback
         except ValueError:

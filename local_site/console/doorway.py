@@ -78,7 +78,7 @@ class DoorwayProtocol(H11Protocol):
             super().data_received(self._early)
 
     def data_received(self, data: bytes) -> None:
-        """What comes with the end of a handshake is there before the connection is."""
+        """Pass data on, or keep it: what comes with the end of a handshake is there before the connection is."""
         if self.transport is None:
             self._early += data
         else:

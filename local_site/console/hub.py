@@ -41,14 +41,12 @@ class CellClock(Protocol):
 
 
 class PageHandler(Protocol):
-    """What handles the pages' messages: that of a live cell, or that of a replay."""
+    """Handler of the pages' messages: that of a live cell, or that of a replay."""
 
     seat: Seat
-    lease: int
-    late: str
     settings: OperatorSettings | None
 
-    def adopt(self, in_force: OperatorSettings | None, now_ns: int) -> None: ...
+    def adopt(self, in_force: OperatorSettings | None, lease: int, late: str, now_ns: int) -> None: ...
 
     def remember(
         self, view: str, frame: VideoFrame, now_ns: int, clock: ClockOffset | None, *, usable: bool
@@ -117,16 +115,13 @@ class Hub:
 
     def state(self, state: RobotState) -> None:
         """The robot's state has come."""
-        now_ns, lease, newest = self._clock.now_ns(), state.lease, self._newest
-        self._handler.lease = (
-            lease.number if lease is not None and lease.holder == self._hello["operator"] else NO_LEASE
-        )
+        now_ns, held, newest = self._clock.now_ns(), state.lease, self._newest
+        lease = held.number if held is not None and held.holder == self._hello["operator"] else NO_LEASE
         hand_ns = newest.hand_ns if newest.hand is not None else None
-        is_ours = self._handler.lease != NO_LEASE
-        self._handler.late = late_reports(self._handler.seat, hand_ns, state, now_ns) if is_ours else ""
-        state = named(state, self._handler.late)
+        late = late_reports(self._handler.seat, hand_ns, state, now_ns) if lease != NO_LEASE else ""
+        state = named(state, late)
         self._newest = replace(newest, state=state, state_ns=now_ns)
-        self._handler.adopt(state.settings, now_ns)
+        self._handler.adopt(state.settings, lease, late, now_ns)
         self._sent.add_state(state)
         self._history.add_state(state, now_ns)
         self._latencies.add_state(state, now_ns)
@@ -139,7 +134,7 @@ class Hub:
         self._send_tools(now_ns)
 
     def recording(self, notice: RecordingNotice) -> None:
-        """The recorder of the operator's side has told what it does."""
+        """The recorder of the operator's side has reported what it does."""
         self._newest = replace(self._newest, notice=notice, notice_ns=self._clock.now_ns())
 
     def camera(self, frame: VideoFrame) -> None:
@@ -212,7 +207,7 @@ class Hub:
         page.send(type="cell", cell=msgspec.to_builtins(cell))
 
     def _show(self, view: str, frame: VideoFrame, clock: ClockOffset | None) -> bool:
-        """Whether any page can decode it."""
+        """Send a picture to all pages; return whether any of them can decode it."""
         if not self._pages:
             return False
         outgoing = view_frame(view, frame, clock)

@@ -58,7 +58,7 @@ class Requests(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Outlets:
-    """Where the operator's intent and what is shown go."""
+    """The outlets for the operator's intent and for what is shown."""
 
     intent: Callable[[OperatorIntent], object]
     shown: Callable[[ViewsShown], object]
@@ -67,10 +67,8 @@ class Outlets:
 class PageMessageHandler:
     """Lives in the event loop; every method is called there. Any page may stop the arm, the rest is the operator's.
 
-    `lease` is the number of the lease that this console's operator last held; `late` says what is late of the operating
-    page's reports, if any is. `settings` are those in force at the
-    remote site, with what the operating page has changed since; None until they are known. Without outlets, where
-    pages only watch, nothing is sent to the sites.
+    `settings` are those in force at the remote site, with what the operating page has changed since; None until they
+    are known. Without outlets, where pages only watch, nothing is sent to the sites.
     """
 
     def __init__(
@@ -83,7 +81,7 @@ class PageMessageHandler:
         session: int,
     ) -> None:
         self.seat = seat
-        self.lease, self.late = NO_LEASE, ""
+        self._lease, self._late = NO_LEASE, ""
         self.settings: OperatorSettings | None = None
         self._changed_ns = 0
         self._reported = False
@@ -96,11 +94,14 @@ class PageMessageHandler:
         """Begin nothing more, and wait for the requests under way: their link is closed, so it is short."""
         self._pools.close()
 
-    def adopt(self, in_force: OperatorSettings | None, now_ns: int) -> None:
+    def adopt(self, in_force: OperatorSettings | None, lease: int, late: str, now_ns: int) -> None:
         """Take the settings in force, unless the operating page has just changed them under the lease held here.
 
-        A change that is not in force after a second is dropped: it must not take effect when nobody expects it.
+        `lease` is the number of the lease that this console's operator holds, `late` what is late of the operating
+        page's reports, if any is. A change that is not in force after a second is dropped: it must not take
+        effect when nobody expects it.
         """
+        self._lease, self._late = lease, late
         ours = self._own_settings()
         is_newer = ours is not None and in_force is not None and ours.revision > in_force.revision
         if is_newer and now_ns - self._changed_ns <= CONFIRMED_WITHIN_NS:
@@ -196,10 +197,10 @@ class PageMessageHandler:
     def _own_settings(self) -> OperatorSettings | None:
         """The settings of the lease that this console's operator holds; None without one, or while they are unknown."""
         settings = self.settings
-        return settings if settings is not None and settings.lease == self.lease else None
+        return settings if settings is not None and settings.lease == self._lease else None
 
     def _report(self, message: Shown, now_ns: int) -> None:
-        shown = self._shown.message(message, self.lease, now_ns)
+        shown = self._shown.message(message, self._lease, now_ns)
         if shown is None:
             return
         for camera, view in shown.views.items():
@@ -217,11 +218,11 @@ class PageMessageHandler:
         self._pools.stop(page, message.id)
 
     def _act(self, page: Page, message: Ask) -> Callable[[], Reply]:
-        """What asks for an engagement or a reset until something withdraws it, or for an end of the engagement."""
+        """Return what asks for an engagement or a reset until something withdraws it, or for the engagement's end."""
         action, seen_ns = message.action, int(message.seen)
         if action is not EngagementAction.DISENGAGE:
             standing = self._pools.standing
-            return lambda: answered(self._requests.engagement(action, seen_ns, standing), self.late)
+            return lambda: answered(self._requests.engagement(action, seen_ns, standing), self._late)
         if page.visitor == self.seat.occupant:
             self._pools.withdraw()
         return lambda: self._requests.engagement(action)

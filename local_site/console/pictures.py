@@ -45,7 +45,7 @@ class Pictures:
         self._change(names=names)
 
     def watch(self, *, watched: bool) -> None:
-        """Whether a page is open."""
+        """Note whether a page is open."""
         self._change(watched=watched)
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Where compiled code is kept: stale once any file with compiled functions changes, as they call one another."""
+"""Cache of compiled code: stale once any file with compiled functions changes, as they call one another."""
 
 import hashlib
 import warnings
@@ -30,7 +30,7 @@ class _StaleWithAnySource:
     _stamp = digest_of_sources(Path(local_site.__file__).parent)
 
     def get_source_stamp(self) -> str:
-        """What the compiled code must have been made from."""
+        """Return the stamp of all that the compiled code must have been made from."""
         return self._stamp
 
 
@@ -49,7 +49,7 @@ class UsersFolder(_StaleWithAnySource, UserWideCacheLocator):
 LOCATORS = ",".join(f"{place.__module__}.{place.__qualname__}" for place in (GivenFolder, BesideSource, UsersFolder))
 
 
-class KeptCode(FunctionCache):
+class CodeCache(FunctionCache):
     """The code of one function on disk; where it cannot be read or kept, as on a full disk, it is used all the same.
 
     That is a warning, once for each folder.

@@ -5,7 +5,7 @@ from typing import TypeVar, cast
 
 import numba
 
-from local_site.kernels.code_cache import LOCATORS, KeptCode
+from local_site.kernels.code_cache import LOCATORS, CodeCache
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -15,5 +15,5 @@ numba.config.CACHE_LOCATOR_CLASSES = LOCATORS  # type: ignore[attr-defined]  # m
 def compiled(function: Function) -> Function:
     """The function as machine code, kept on disk between runs; divisions by zero give infinities, as in arrays."""
     dispatcher = numba.njit(error_model="numpy")(function)
-    dispatcher._cache = KeptCode(function)  # type: ignore[attr-defined, no-untyped-call]  # numba itself has no room for another
+    dispatcher._cache = CodeCache(function)  # type: ignore[attr-defined, no-untyped-call]  # numba itself has no room for another
     return cast(Function, dispatcher)

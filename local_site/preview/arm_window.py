@@ -1,4 +1,4 @@
-"""Which part of a picture shows the arm: it follows calmly, and is the whole picture while no arm is tracked."""
+"""The part of a picture that shows the arm: it follows calmly, and is the whole picture while no arm is tracked."""
 
 import math
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class ArmWindow:
 
 
 def _suits(part: PictureBox, arm: PictureBox) -> bool:
-    """Whether a part may stay: the arm is well inside, as far as the picture goes, and not small in it."""
+    """Return whether a part may stay: the arm is well inside, as far as the picture goes, and not small in it."""
     near, chosen = _grown(arm, LEAST_MARGIN), _around(_grown(arm, MARGIN))
     outside = max(part.left - near.left, part.top - near.top, near.right - part.right, near.bottom - part.bottom)
     return outside < ROUNDING and part.right - part.left <= LARGEST_EXCESS * (chosen.right - chosen.left)

@@ -85,7 +85,7 @@ class Cropping:
 
 
 def arm_box(estimate: ArmEstimate, view: int, width: int, height: int) -> PictureBox | None:
-    """What was found of the arm within a picture of this size in px; None where no arm is tracked in this view."""
+    """Find the box of the arm in a picture of this size in px; None where no arm is tracked in this view."""
     if estimate.status not in FOUND or view >= len(estimate.overlays):
         return None
     drawn = (getattr(estimate.overlays[view], field.name) for field in fields(Overlay))

@@ -39,7 +39,7 @@ class Mailbox:
 
     @property
     def is_free(self) -> bool:
-        """Whether the last message was taken."""
+        """Return whether the last message was taken."""
         return int(self._count[0]) == EMPTY
 
     def put(self, parts: Sequence[Part]) -> bool:

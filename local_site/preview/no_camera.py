@@ -1,4 +1,4 @@
-"""What the console gets instead of the operator's views where no camera is used: the reason."""
+"""Stands in for the operator's views where no camera is used: the console gets the reason."""
 
 from collections.abc import Mapping
 

@@ -68,7 +68,7 @@ class Drawn(msgspec.Struct, frozen=True):
 
 
 def encode_order(views: Views, estimate: ArmEstimate) -> bytes:
-    """What to draw for an instant."""
+    """Encode what to draw for an instant."""
     frames = [view.current for view in views.views]
     taken = tuple(PictureInfo(f.image.shape, f.capture_ns, f.capture_estimated) for f in frames)
     return msgspec.msgpack.encode(DrawingOrder(taken, estimate), enc_hook=_from_array)
@@ -178,7 +178,7 @@ def _draw_orders(
 
 
 class PreviewSink(Protocol):
-    """Where one view's pictures go, and whether there is a subscriber."""
+    """Sink for the pictures of one view, which knows whether there is a subscriber."""
 
     @property
     def has_listener(self) -> bool: ...
@@ -214,7 +214,7 @@ class _SentView:
 
 
 class Preview:
-    """What the loop calls at the end of each round, after the sample is sent.
+    """The operator's views for the console; the loop calls it at the end of each round, after the sample is sent.
 
     `wires` are by the name of the view, in the order of the rig's cameras.
     """

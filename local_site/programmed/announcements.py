@@ -1,4 +1,4 @@
-"""What a run says at the terminal as it changes, but no flood of it; pure."""
+"""Announcements of a run at the terminal as it changes, but no flood of them; pure."""
 
 from collections.abc import Callable
 
@@ -15,7 +15,7 @@ class Announcements:
         self._told, self._told_ns = "", -APART_NS
 
     def offer(self, words: str, now_ns: int) -> None:
-        """What holds now; to be called again and again."""
+        """Announce what holds now if it has changed, but not too often; to be called again and again."""
         if words != self._told and now_ns - self._told_ns >= APART_NS:
             self._told, self._told_ns = words, now_ns
             self._tell(words)

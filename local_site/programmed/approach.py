@@ -14,7 +14,7 @@ PEAK = 1.875  # greatest speed of a minimum-jerk motion, by its mean
 
 
 def why_too_far(base_T_tool: Array, base_T_begin: Array) -> str:
-    """Why there is no approach from one pose (4 x 4) to another, with the cure; empty where there is one."""
+    """Say why there is no approach from one pose (4 x 4) to another, with the cure; empty where there is one."""
     way_m = _way_m(base_T_tool, base_T_begin)
     if way_m <= LONGEST_M:
         return ""

@@ -14,7 +14,7 @@ NO_ROTATION = 1e-3  # a smaller scale of the rotation leads the tool nowhere
 
 
 def why_not_led(mapping: MappingDescription, settings: OperatorSettings) -> str:
-    """Why no hand can lead the tool to every pose, with the cure; empty when one can."""
+    """Say why no hand can lead the tool to every pose, with the cure; empty when one can."""
     locked = [name for name in mapping.locks.__struct_fields__ if getattr(mapping.locks, name)]
     if locked:
         return f"the cell's configuration locks {', '.join(locked)} (mapping.locks): a path needs all motions free"
@@ -47,7 +47,7 @@ def operator_T_hand(
 
 
 def shown_hand(operator_T_hand: Array, t_ns: int, status: TrackingStatus, reason: str) -> ArmEstimate:
-    """What a tracker would measure of this hand (4 x 4); it has no elbow, for an arm is not shown."""
+    """Build what a tracker would measure of this hand (4 x 4); it has no elbow, for an arm is not shown."""
     return ArmEstimate(
         t_ns,
         status,

@@ -1,4 +1,4 @@
-"""How far a run has come on its path: in steps or through, back too, standing where the gripper acts; pure."""
+"""Progress of a run on its path: in steps or through, back too, standing where the gripper acts; pure."""
 
 import math
 from enum import StrEnum
@@ -53,7 +53,7 @@ class PathClock:
 
 
 class RunOrder(StrEnum):
-    """What the operator may order of a run besides holding the key."""
+    """The operator's orders to a run besides holding the key."""
 
     PAUSE = "pause"
     NEXT = "next"
@@ -63,7 +63,7 @@ class RunOrder(StrEnum):
 
 
 class PathProgress:
-    """Where a run stands on its path, at `speed` times the path's own; `stepwise` stops at each way point.
+    """The place of a run on its path, at `speed` times the path's own; `stepwise` stops at each way point.
 
     `why` says in words why it stands, empty while it goes on.
     """
@@ -82,7 +82,7 @@ class PathProgress:
 
     @property
     def is_done(self) -> bool:
-        """Whether the whole path lies behind."""
+        """Return whether the whole path lies behind."""
         return self._clock.t_s >= self._path.duration_s and self._due == len(self._path.actions)
 
     @property
@@ -92,12 +92,12 @@ class PathProgress:
 
     @property
     def grips(self) -> bool:
-        """Whether the gripper acts anywhere on the path."""
+        """Return whether the gripper acts anywhere on the path."""
         return bool(self._path.actions)
 
     @property
     def acts(self) -> bool:
-        """Whether the tool has come to rest where the gripper acts."""
+        """Return whether the tool has come to rest where the gripper acts."""
         return self._rested_s >= SETTLE_S
 
     @property
@@ -107,7 +107,7 @@ class PathProgress:
 
     @property
     def way_points(self) -> int:
-        """How many way points the path has."""
+        """Return how many way points the path has."""
         return len(self._path.marks)
 
     def order(self, order: RunOrder) -> None:
@@ -125,7 +125,7 @@ class PathProgress:
                 self._due = sum(action.t_s < self._mark - NEAR_S for action in self._path.actions)
 
     def stand(self) -> None:
-        """The arm does not follow: stand at once, and come to rest anew before the gripper acts."""
+        """The arm does not follow: stand at once, and come to rest again before the gripper acts."""
         self._clock.begin(self._clock.t_s)
         self._rested_s = 0.0
 

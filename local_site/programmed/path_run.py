@@ -6,7 +6,7 @@ from common.clock import NS_PER_S
 from common.geometry import Array, angle_between
 from common.messages.hand import OperatorSettings, TrackingStatus
 from common.messages.requests import MappingDescription
-from common.messages.robot import Engagement, GripperCommand, Pose, RobotState, SessionState
+from common.messages.robot import FOLLOWING, Engagement, GripperCommand, Pose, RobotState
 from local_site.programmed.approach import approach, why_too_far
 from local_site.programmed.led_hand import operator_T_hand, shown_hand, why_not_led
 from local_site.programmed.path_progress import PathProgress, RunOrder
@@ -70,7 +70,7 @@ class PathRun:
         """Move the hand, if the arm follows it; what the run does, in words."""
         engagement, reference, target = state.engagement, state.reference, state.target
         is_ours = state.lease is not None and state.lease.session == self._session and state.readiness.held
-        if engagement is None or not is_ours or state.state in (SessionState.DISENGAGED, SessionState.FAULT):
+        if engagement is None or not is_ours or state.state not in FOLLOWING:
             self._engagement = 0
             return WAITS
         led = reference is not None and reference.session == self._session
@@ -98,7 +98,7 @@ class PathRun:
         self._approach = PathProgress(approach(target.transform(), self._progress.target), 1.0, stepwise=False)
 
     def _advance(self, now_ns: int, elapsed_s: float, state: RobotState) -> Array:
-        """Where the tool is led to now (4 x 4), and the gripper's toggle where one is due."""
+        """Advance the run; return where the tool is led to now (4 x 4), and toggle the gripper where that is due."""
         leading = self._approach or self._progress
         hindered = _hindered(leading, state)
         command = leading.advance(elapsed_s, state.gripper, hindered)
@@ -120,7 +120,7 @@ class PathRun:
         return f"runs at {progress.speed:.0%} speed{way_point}{stands}"
 
     def _refusal(self, state: RobotState) -> str:
-        """Why no run may begin or go on, with the cure; empty when it may."""
+        """Say why no run may begin or go on, with the cure; empty when it may."""
         locked = why_not_led(self._mapping, state.settings or OperatorSettings())
         if locked or self._engagement:
             return locked
@@ -136,7 +136,7 @@ class PathRun:
 
 
 def _hindered(leading: PathProgress, state: RobotState) -> str:
-    """Why the path stands, since the arm is not where it is led to; empty when it is near enough."""
+    """Say why the path stands, since the arm is not where it is led to; empty when it is near enough."""
     if leading.acts and (off := _off(leading, state)):
         return f"the gripper waits, {off}"
     way = float(np.linalg.norm(leading.target[:3, 3] - state.base_T_tool.transform()[:3, 3]))
@@ -144,7 +144,7 @@ def _hindered(leading: PathProgress, state: RobotState) -> str:
 
 
 def _off(leading: PathProgress, state: RobotState) -> str:
-    """How far the arm stands from where the path stands, and why; empty when it is there."""
+    """Say how far the arm is from where the path stands, and why; empty when it is there."""
     wanted, measured = leading.target, state.base_T_tool.transform()
     way = float(np.linalg.norm(wanted[:3, 3] - measured[:3, 3]))
     turn = angle_between(wanted[:3, :3], measured[:3, :3])

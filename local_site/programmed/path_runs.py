@@ -19,7 +19,7 @@ UNKNOWN = "the remote site has to say what its cell is: wait, or start it"
 
 @dataclass(frozen=True)
 class PathProgram:
-    """What is run: how far it has come on its path, how the gripper has to be before, whether a hold may end in it.
+    """A program to run: its progress on the path, how the gripper has to be before, and whether a hold may end in it.
 
     `kind` is what the path is, in a word: recorded, or taught. `check` raises where it is not for this cell; `orders`
     are the operator's since it was called last.
@@ -46,7 +46,7 @@ class PathProgram:
 class PathRuns:
     """The hand of a program's runs; `session` is this local site's.
 
-    `describe` asks the remote site what the cell is, None while it does not answer. It is asked anew whenever the
+    `describe` asks the remote site what the cell is, None while it does not answer. It is asked again whenever the
     state's session is another: a site that has started again may have another mode, mapping or arm.
     """
 
@@ -73,7 +73,7 @@ class PathRuns:
         return self._run.hand(now_ns, state)
 
     def _ask(self, remote: int) -> None:
-        """Begin anew for this session of the remote site, once it has said what the cell is."""
+        """Begin again for this session of the remote site, once it has said what the cell is."""
         self._toggled, self._run, self._remote = self.toggles, None, None
         cell = self._describe()
         if cell is None:

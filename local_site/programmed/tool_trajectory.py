@@ -12,7 +12,7 @@ from common.messages.robot import GripperCommand
 
 
 class GripperAction(NamedTuple):
-    """What the gripper is commanded to do where the path stands at `t_s`, and how long the tool rests then, s."""
+    """A command to the gripper where the path stands at `t_s`, and how long the tool rests then, s."""
 
     t_s: float
     command: GripperCommand

@@ -35,7 +35,7 @@ OPERATOR_TABLE = "farhand.operator"
 
 
 class Heard(Protocol):
-    """What was heard, each message once, the orders among it, and how much was not taken in time."""
+    """The messages that were heard, each once, the orders among them, and how many were not taken in time."""
 
     lost: int
 
@@ -95,7 +95,7 @@ class OperatorRecorder:
         self._recording.end(now_ns)
 
     def state(self) -> RecordingState:
-        """What the recorder does."""
+        """Return what the recorder does."""
         return self._recording.state(self._heard.lost)
 
     def _begin(self, now_ns: int) -> None:

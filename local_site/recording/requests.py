@@ -1,4 +1,4 @@
-"""Which requests to record the operator's side the local site grants, and why it refuses the others; pure."""
+"""Requests to record the operator's side: which the local site grants, and why it refuses the others; pure."""
 
 from common.messages.recording import RecordingState
 from common.messages.requests import RecordAction, RecordRequest, Reply

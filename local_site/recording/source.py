@@ -64,7 +64,7 @@ class OperatorSource:
         self._feeds.join()
 
     def take(self) -> Iterator[HeardMessage]:
-        """What has been heard since the last call."""
+        """Yield what has been heard since the last call."""
         for _ in range(self._queue.qsize()):
             try:
                 yield self._queue.get_nowait()
@@ -72,7 +72,7 @@ class OperatorSource:
                 return
 
     def orders(self) -> Iterator[RecordRequest]:
-        """What the operator has asked for since the last call."""
+        """Yield what the operator has asked for since the last call."""
         for _ in range(self._orders.depth):
             try:
                 order = self._orders.take()

@@ -16,7 +16,7 @@ class Clicks(Protocol):
 
 
 class Handle(Protocol):
-    """What answers one of them."""
+    """The function that answers one of them."""
 
     def __call__(self, request: JointsRequest) -> Reply: ...
 

@@ -72,7 +72,7 @@ class ArmTracking:
         return estimate
 
     def attend(self, views: Views | None, now_ns: int) -> None:
-        """What can wait until a sample is sent: answer a click on the joints, save the profile once a minute."""
+        """Do what can wait until a sample is sent: answer a click on the joints, save the profile once a minute."""
         self._clicks.poll(views, now_ns)
         self._profiles.keep(self._learned, now_ns)
 
@@ -210,7 +210,7 @@ class LocalSite:
 
 
 def _warning(event: str) -> Callable[[str], None]:
-    """What logs a sentence as the reason of this event."""
+    """Return a function that logs a sentence as the reason of this event."""
 
     def warn(sentence: str) -> None:
         structlog.get_logger().warning(event, reason=sentence)

@@ -76,7 +76,7 @@ def _check_alone(endpoint: str, security: LinkSecurity) -> None:
 
 @dataclass(frozen=True)
 class _Beside:
-    """What the console is told besides."""
+    """The other sources of what the console shows."""
 
     recorder: RecorderRelay
     views: NoCamera
@@ -89,7 +89,7 @@ def _no_camera(config: LocalConfig, link: Link, program: PathProgram) -> NoCamer
 
 
 def described_cell(link: Link, cell: str, endpoint: str, clock: Clock, should_stop: StopFlag) -> Description | None:
-    """What the cell at an endpoint is, as soon as it answers; None when asked to stop before.
+    """Ask the cell at an endpoint what it is, until it answers; None when asked to stop before.
 
     It is asked more and more rarely. TransportError, which names the endpoint, where it has not answered in 30 s.
     """

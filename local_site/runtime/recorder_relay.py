@@ -17,7 +17,7 @@ from local_site.recording.requests import answer
 
 
 class Standing(Protocol):
-    """Whether this site holds the lease."""
+    """The standing of this site: whether it holds the lease."""
 
     def lease_and_clock(self, now_ns: int) -> LeaseAndClock: ...
 

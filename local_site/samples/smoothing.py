@@ -115,7 +115,7 @@ class OneEuro:
 
 
 def _gain(cutoff_hz: float, dt_s: float) -> float:
-    """How much of a change a low-pass filter of first order takes over in one step."""
+    """Compute the fraction of a change that a low-pass filter of first order takes over in one step."""
     return 1.0 / (1.0 + 1.0 / (2.0 * math.pi * cutoff_hz * dt_s))
 
 

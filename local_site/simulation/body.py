@@ -47,7 +47,7 @@ class BodyPose:
 
 @dataclass(frozen=True, slots=True)
 class ArmTruth:
-    """What a tracker should find, operator frame, m: joint centres, and the tips on the skin."""
+    """The truth that a tracker should find, operator frame, m: joint centres, and the tips on the skin."""
 
     elbow: Array
     wrist: Array
@@ -137,7 +137,7 @@ class ArmBody:
         return pose.wrist + self._hand.joints(pose.openness) @ pose.operator_R_hand.T
 
     def beside_tips(self, pose: BodyPose) -> Array:
-        """Where markers beside the tips of index and thumb have their centres (2, 3), operator frame, m."""
+        """Return the centres (2, 3) of markers beside the tips of index and thumb, operator frame, m."""
         return pose.wrist + self._hand.beside_tips(pose.openness) @ pose.operator_R_hand.T
 
     def _forearm_balls(self, pose: BodyPose, along: Array, hinge: Array) -> Array:
@@ -230,7 +230,7 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def _parts(forearm: int, upper_arm: int) -> tuple[Part, ...]:
-    """Which balls make which piece, for these numbers of sections."""
+    """List which balls make which piece, for these numbers of sections."""
     wrist = (2 * forearm - 2, 2 * forearm - 1)
     first = 2 * (forearm + upper_arm)
     digit = {name: tuple(range(first + JOINTS * k, first + JOINTS * (k + 1))) for k, name in enumerate(DIGITS)}

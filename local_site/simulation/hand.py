@@ -124,7 +124,7 @@ class Hand:
         return self._scale * skin[0], self._scale * skin[4]
 
     def beside_tips(self, openness: float) -> Array:
-        """Where markers sit beside the tips (2, 3): on the radial side of the index, on the back of the thumb."""
+        """Return where markers sit beside the tips (2, 3): on the index's radial side, on the back of the thumb."""
         bones = self._joints(openness)[1]
         backs = self.backs(openness)[:, 2]
         radial = np.cross(backs[0], bones[0])

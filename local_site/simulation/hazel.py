@@ -68,7 +68,7 @@ class TrueArm:
 
 @dataclass(frozen=True, slots=True)
 class Swing:
-    """How far the arm of HAZEL-S swings: the shoulder's path in m, the links' turns in rad.
+    """The swing of HAZEL-S's arm: the shoulder's path in m, the links' turns in rad.
 
     `speed` is a factor on the report's; `in_plane` an added turn of the whole arm in the picture, rad.
     """
@@ -100,7 +100,7 @@ def link(in_plane: float, out_of_plane: float, roll: float) -> Array:
 
 
 def rectangle_tip(frame: float) -> Array:
-    """Where the finger tip is on its rectangle (3,) in m, once round in all frames; it slows down at the corners."""
+    """Return where the finger tip is on its rectangle (3,) in m, once round in all frames; it slows down at corners."""
     quarter, fraction = divmod(4.0 * frame / HAZEL_C_FRAMES % 4.0, 1.0)
     ease = 0.5 - 0.5 * math.cos(math.pi * fraction)
     a, b = [((0, 0), (1, 0)), ((1, 0), (1, 1)), ((1, 1), (0, 1)), ((0, 1), (0, 0))][int(quarter)]
@@ -150,7 +150,7 @@ def film_camera() -> Rig:
 
 
 def film_pixel(point: Array) -> tuple[float, float]:
-    """Where the film's camera sees a point (3,) in m, px."""
+    """Project a point (3,) in m into the film's picture, px."""
     x, y, z = (float(value) for value in point)
     return FOCAL_PX * x / z + PRINCIPAL_PX[0], FOCAL_PX * y / z + PRINCIPAL_PX[1]
 
@@ -186,12 +186,12 @@ class TexturedOperator:
 
 
 def true_points(arm: TrueArm) -> Mapping[str, Array]:
-    """What a tracker is to find of an arm, by name, (3,) in m."""
+    """Return what a tracker is to find of an arm, by name, (3,) in m."""
     return {"elbow": arm.elbow, "wrist": arm.wrist, "palm": arm.along_forearm(FOREARM_M + PALM_POINT_M)}
 
 
 def first_joints_px() -> Mapping[str, tuple[float, float]]:
-    """Where the joints are in the first picture, px: what a person would click."""
+    """Return where the joints are in the first picture, px: what a person would click."""
     arm = Swing().arm(0.0)
     return {name: film_pixel(point) for name, point in zip(JOINTS, (arm.shoulder, arm.elbow, arm.wrist), strict=True)}
 

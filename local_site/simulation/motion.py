@@ -1,4 +1,4 @@
-"""What the simulated operator does: the motions by name, and the arm's pose by time; when the hand opens."""
+"""Motions of the simulated operator by name: the arm's pose by time, and when the hand opens."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -32,7 +32,7 @@ OPEN_S = 0.5
 
 
 class Path(Protocol):
-    """Where the hand goes, as a function of the time since it began to move, s."""
+    """The path of the hand, as a function of the time since it began to move, s."""
 
     def at(self, t_s: float) -> tuple[Array, Array, float]: ...
 
@@ -55,7 +55,7 @@ class HandPath:
         return *self.path(phase), openness
 
     def openings_until(self, t_s: float) -> int:
-        """How many openings have begun."""
+        """Count the openings that have begun."""
         if t_s < 0 or not self.openings_s:
             return 0
         periods, phase = divmod(t_s, self.period_s)
@@ -211,7 +211,7 @@ class Motion:
         )
 
     def openings_until(self, t_s: float) -> int:
-        """How often the hand has begun to open."""
+        """Count how often the hand has begun to open."""
         return self._path.openings_until(t_s - self._config.still_s)
 
     def _elbow(self, wrist: Array) -> Array:

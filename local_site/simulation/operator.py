@@ -1,4 +1,4 @@
-"""Which operator is simulated: what all have in common, the one with a bare arm or markers, and how one is made."""
+"""Simulated operators: what all have in common, the one with a bare arm or markers, and how one is made."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -99,7 +99,7 @@ class SimulatedOperator:
         return {"elbow": truth.elbow, "wrist": truth.wrist, "index": truth.index, "thumb": truth.thumb}
 
     def openings_until(self, t_s: float) -> int:
-        """How often the hand has begun to open by this time."""
+        """Count how often the hand has begun to open by this time."""
         return self.motion.openings_until(t_s)
 
 

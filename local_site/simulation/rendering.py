@@ -39,7 +39,7 @@ _CIRCLE = np.column_stack([np.cos(_TURN), np.sin(_TURN)]) * (0.5 + 0.5 / np.cos(
 
 @dataclass(frozen=True, slots=True)
 class Outlines:
-    """What the lens makes of N balls, the sleeve's rim and K markers: `rims` (N + 1 + K, RIM_POINTS, 2) in px.
+    """The outlines of N balls, the sleeve's rim and K markers in the lens: `rims` (N + 1 + K, RIM_POINTS, 2) in px.
 
     `depths` (N + 1 + K,) are the distances of their centres along the line of sight, m.
     """
@@ -160,7 +160,7 @@ def mean_picture(pictures: list[Image]) -> Image:
 
 
 def coverage(outlines: Outlines, parts: tuple[Part, ...], box: Box) -> Image:
-    """How much of each pixel (H, W) in the box the parts cover together, 0 to 255."""
+    """Compute how much of each pixel (H, W) in the box the parts cover together, 0 to 255."""
     fixed, fine = _finely(outlines, box)
     for polygons in part_polygons(fixed, outlines.depths, parts):
         for polygon in polygons:

@@ -38,7 +38,7 @@ class TexturedLimb:
 
 @dataclass(frozen=True, slots=True)
 class Scenery:
-    """What no estimator knows: skin, light, wall and noise, in grey levels.
+    """The things that no estimator knows: skin, light, wall and noise, in grey levels.
 
     `light` points from the arm to the lamp in the camera's frame; `ambient` is the fraction of light from all sides.
     """

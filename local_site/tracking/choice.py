@@ -1,4 +1,4 @@
-"""Which tracker a site runs: the choice, the parameters of Farhand's own, and how one is made."""
+"""Choice of a site's tracker, the parameters of Farhand's own trackers, and how one is made."""
 
 from typing import Annotated
 

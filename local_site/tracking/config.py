@@ -93,7 +93,7 @@ class StartConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     @property
     def is_given(self) -> bool:
-        """Whether the joints are given: they are distinct."""
+        """Return whether the joints are given: they are distinct."""
         return self.elbow_px not in (self.shoulder_px, self.wrist_px)
 
 

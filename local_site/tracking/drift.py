@@ -33,7 +33,7 @@ class DriftConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 class DriftAlarm:
     """Compares the median residual of a time window with that of the first seconds, as the calibration drifts.
 
-    `calibrated_px` is the rig's own median residual, to be told. Tracked points are noisier than a plate's, so the
+    `calibrated_px` is the rig's own median residual, to be reported. Tracked points are noisier than a plate's, so the
     normal level is learned from the first seconds; whether that level itself fits the rig, RigFit says.
     """
 
@@ -103,7 +103,7 @@ class DriftWatch:
         return replace(estimate, reason="; ".join(filter(None, (estimate.reason, sentence))))
 
     def _judge_rig(self, t_ns: int) -> str:
-        """Whether the last seconds contradict the rig; empty if not, or while too little was seen."""
+        """Say how the last seconds contradict the rig; empty if they do not, or while too little was seen."""
         self._fit.forget_before(t_ns - round(self._config.window_s * NS_PER_S))
         begin_ns = self._fit.begin_ns
         if begin_ns is None or t_ns - begin_ns < self._config.learn_s * NS_PER_S:

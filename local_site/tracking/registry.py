@@ -24,7 +24,7 @@ Scene = Literal["dark", "room", "markers", "textured"]
 
 @dataclass(frozen=True, slots=True)
 class TrackerHost:
-    """What a tracker is made with: the calibrated cameras, its options, and what is known of the operator, if anything.
+    """The inputs to make a tracker: calibrated cameras, its options, and what is known of the operator, if anything.
 
     An installed tracker has the table `tracking.options`; each of Farhand's own has a table of its name, `own`.
     """

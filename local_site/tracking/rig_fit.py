@@ -1,4 +1,4 @@
-"""Whether a rig's file is that of these cameras: what the views miss each other by, against the wrist's own sigma."""
+"""Fit of a rig's file to these cameras: what the views miss each other by, against the wrist's own sigma."""
 
 import math
 from collections import deque

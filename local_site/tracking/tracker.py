@@ -42,7 +42,7 @@ class Views:
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """What was found in one view, for drawing: pixel coordinates, None where absent.
+    """The findings in one view, for drawing: pixel coordinates, None where absent.
 
     `contour` is (N, 2); the medial lines are (2, 2) end points; joints and tips are (2,).
     """
@@ -57,7 +57,7 @@ class Overlay:
 
 
 class TrackingReason(StrEnum):
-    """Why a measurement is doubted or refused: a sentence each, with the cure where there is one."""
+    """The reasons to doubt or refuse a measurement: a sentence each, with the cure where there is one."""
 
     NO_ARM = "the lines of the views do not meet in an arm"
     OUT_OF_STEP = "the views do not fit together: out of sync, exchanged, or moved since calibration"

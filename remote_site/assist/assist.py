@@ -32,7 +32,7 @@ SILENT_NS = 200 * NS_PER_MS
 
 
 class HeldKey:
-    """Which target the operator holds the key for; after a silence only a press that follows a release counts."""
+    """The target for which the operator holds the key; after a silence only a press that follows a release counts."""
 
     def __init__(self) -> None:
         self._target: str | None = None
@@ -42,7 +42,7 @@ class HeldKey:
 
     @property
     def held(self) -> bool:
-        """Whether the key is held, as far as that counts."""
+        """Return whether the key is held, as far as that counts."""
         return self._target is not None
 
     def see(self, intent: Intent | None, now_ns: int) -> None:
@@ -121,7 +121,7 @@ class _Lead:
 class Assist:
     """OFF <-> OFFERED -> LEADING -> ENDED -> OFF; time comes in as nanoseconds of this host's clock.
 
-    Feed what is seen of the markers to `see`, every sample's intent to `hear`, and call `step` once for each sample
+    Feed what is seen of the markers to `see`, every sample's intent to `observe_intent`, and call `step` once for each
     that is followed. Only a press of the key that names the offered target begins to lead; whatever ends it, the key
     has to be released first.
     """
@@ -144,7 +144,7 @@ class Assist:
             if sighting.marker in self._markers:
                 self._markers[sighting.marker].see(sighting)
 
-    def hear(self, intent: Intent | None, now_ns: int) -> None:
+    def observe_intent(self, intent: Intent | None, now_ns: int) -> None:
         """Take what the operator's page reports with a sample; letting go ends the lead at once."""
         self._key.see(intent, now_ns)
         if self._lead is not None and not self._key.held:
@@ -207,7 +207,7 @@ class Assist:
         return step_towards(base_T_target, goal.base_T_tool, goal.approach, min(elapsed_s, LONGEST_STEP_S), led_s)
 
     def state(self) -> AssistState | None:
-        """What the operator is shown; None where no targets are configured."""
+        """Return what the operator is shown; None where no targets are configured."""
         if self._state is None and self._config.targets:
             goal, tool = self._lead.goal if self._lead is not None else self._nearest, self._base_T_tool
             shown = self._shown(goal, tool) if goal is not None and tool is not None else None
@@ -282,7 +282,7 @@ class Assist:
 
 
 def _farthest(goal: _Goal, poses: Iterable[Array]) -> tuple[float, float]:
-    """How far the farthest of the tool's poses is from a goal, m and rad."""
+    """Compute how far the farthest of the tool's poses is from a goal, m and rad."""
     ways = [left_over(pose, goal.base_T_tool) for pose in poses]
     return max(way[0] for way in ways), max(way[1] for way in ways)
 

@@ -30,7 +30,7 @@ class MarkerFamily(StrEnum):
 
     @property
     def size(self) -> int:
-        """How many markers the family has; their numbers begin at 0."""
+        """Return how many markers the family has; their numbers begin at 0."""
         return len(self.dictionary.bytesList)
 
     def printed(self, marker: int, module_px: int, quiet: int = 1) -> Image:

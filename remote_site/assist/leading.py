@@ -1,4 +1,4 @@
-"""How the tool is led to a pose: beside it first, then straight to it, at a bounded speed; pure."""
+"""Leads the tool to a pose: beside it first, then straight to it, at a bounded speed; pure."""
 
 import math
 
@@ -30,7 +30,7 @@ def step_towards(base_T_here: Array, base_T_there: Array, approach: Array, elaps
 
 
 def _fraction(time_s: float, needs_s: float) -> float:
-    """How much of a way is covered in a time, of which all of it would need at least so much."""
+    """Compute the fraction of a way that is covered in a time, where all of it needs at least `needs_s`."""
     return min(time_s / max(SETTLING_S, needs_s), 1.0)
 
 

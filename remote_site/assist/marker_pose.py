@@ -26,7 +26,7 @@ class MarkerView:
 
     @property
     def centre(self) -> Array:
-        """Where the camera is (3,), m in the base's frame."""
+        """The camera's position (3,), m in the base's frame."""
         return np.asarray(-np.linalg.solve(self.projection[:, :3], self.projection[:, 3]), dtype=float)
 
 
@@ -83,7 +83,7 @@ def _rotations(one: MarkerPose, other: MarkerPose) -> tuple[Array, Array]:
 
 
 def _in_front(fit: MarkerPose, views: Sequence[MarkerView]) -> bool:
-    """Whether every camera sees the marker's printed face, and in front of itself."""
+    """Return whether every camera sees the marker's printed face, and in front of itself."""
     point = np.append(fit.base_T_marker[:3, 3], 1.0)
     return all(fit.incidence_rad(v) < math.pi / 2 and v.projection[2] @ point > 0 for v in views)
 

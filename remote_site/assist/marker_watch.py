@@ -48,7 +48,7 @@ class MarkerWatch:
         self._newest: dict[str, dict[int, _Looked]] = {view: {} for view in views}
         self._unreached: dict[str, tuple[int, Collection[int]]] = {}
 
-    def take(self, view: str, t_ns: int, found: FoundMarkers, base_T_tool: Array | None) -> None:
+    def observe(self, view: str, t_ns: int, found: FoundMarkers, base_T_tool: Array | None) -> None:
         """Take what a view's picture of the time `t_ns` shows; a camera on the tool needs the tool's pose (4 x 4) then.
 
         Views without calibration are ignored.
@@ -66,7 +66,7 @@ class MarkerWatch:
         self._newest[view] |= {m: _Looked(t_ns, projection, found.corners.get(m, ())) for m in reached}
 
     def sightings(self, now_ns: int) -> list[MarkerSighting]:
-        """What is known of each marker now, in the order of the targets that name them."""
+        """Return what is known of each marker now, in the order of the targets that name them."""
         return [self._sighting(marker, now_ns) for marker in self._sizes]
 
     def _sighting(self, marker: int, now_ns: int) -> MarkerSighting:

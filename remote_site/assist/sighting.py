@@ -1,4 +1,4 @@
-"""What the cameras know of a marker at one time: its pose, or why there is none."""
+"""Sighting of a marker by the cameras at one time: its pose, or why there is none."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Whether a marker stands still, and where: from what was seen of it over the last moments; pure."""
+"""A marker that stands still, and where: judged by what was seen of it over the last moments; pure."""
 
 import math
 from collections import deque
@@ -19,7 +19,7 @@ MOVED_M, MOVED_RAD = 0.004, math.radians(3.0)
 
 
 class StandingMarker:
-    """The sightings of one marker in a row that agree; one elsewhere begins anew."""
+    """The sightings of one marker in a row that agree; one elsewhere begins again."""
 
     def __init__(self, marker: int) -> None:
         self._marker = marker
@@ -40,7 +40,7 @@ class StandingMarker:
             self._seen.popleft()
 
     def pose(self, now_ns: int) -> tuple[Array, tuple[str, ...]] | Reason:
-        """Where it stands (4 x 4) with the views that see it, or why that is not known."""
+        """Return where it stands (4 x 4) with the views that see it, or why that is not known."""
         lost = self._lost(now_ns)
         if lost is not None:
             return lost
@@ -49,7 +49,7 @@ class StandingMarker:
         return self._mean(), self._seen[-1].views
 
     def strayed(self, base_T_marker: Array, now_ns: int) -> Reason | None:
-        """Why it cannot be relied on any more that the marker is still there (4 x 4)."""
+        """Say why one cannot rely any more on the marker being still there (4 x 4); None if one can."""
         lost = self._lost(now_ns)
         if lost is not None:
             return lost
@@ -58,7 +58,7 @@ class StandingMarker:
         return self._moved_by(distance_m, angle_rad)
 
     def _lost(self, now_ns: int) -> Reason | None:
-        """Why the newest sighting does not count: it is too old, or what came since tells otherwise."""
+        """Say why the newest sighting does not count: it is too old, or what came since tells otherwise."""
         age_ns = now_ns - self._seen[-1].t_ns if self._seen else now_ns
         if self._refusal is not None and (age_ns > MISSED_NS or self._refusal.code is Code.MARKER_DOUBLED):
             return self._refusal
@@ -67,7 +67,7 @@ class StandingMarker:
         return None
 
     def _shift(self, base_T_marker: Array) -> Reason | None:
-        """How far it is from where it stood, if that is too far."""
+        """Say how far it is from where it stood, if that is too far."""
         return self._moved_by(*left_over(self._mean(), base_T_marker)) if self._seen else self._moved
 
     def _moved_by(self, distance_m: float, angle_rad: float) -> Reason | None:

@@ -1,4 +1,4 @@
-"""What a driver checks of its configuration before anything starts, without a robot; declared at its factory."""
+"""Checks that a driver makes of its configuration before anything starts, without a robot; declared at its factory."""
 
 from collections.abc import Callable, Mapping
 from typing import TypeVar

@@ -37,7 +37,7 @@ class DriverConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
     @property
     def moves_nothing_real(self) -> bool:
-        """Whether the robot is simulated, kinematic or emulated."""
+        """Return whether the robot is simulated, kinematic or emulated."""
         return self.emulate or self.name in (SIMULATED, KINEMATIC)
 
     command_timeout_ms: Annotated[

@@ -1,4 +1,4 @@
-"""What a robot driver is: configure, activate, (read, write)*, stop, deactivate."""
+"""The interface of a robot driver: configure, activate, (read, write)*, stop, deactivate."""
 
 import math
 from dataclasses import dataclass
@@ -70,7 +70,7 @@ class RobotReading:
 
 @dataclass(frozen=True, slots=True)
 class Capabilities:
-    """What a robot can do: commands per second it takes, and joints, None for any number.
+    """The abilities of a robot: commands per second it takes, and joints, None for any number.
 
     `gripper` and `force`: it has one, and measures its force. `watchdog_ms`: without a call for this long the robot
     stops by itself, None when it does not. `queued_periods`: how many periods its motion lags behind commands;
@@ -102,7 +102,7 @@ class Capabilities:
 
 @dataclass(frozen=True, slots=True)
 class DriverSetup:
-    """What every driver is configured with: joints by name, limits, tick in s, command time-out in ns.
+    """The setup of every driver: joints by name, limits, tick in s, command time-out in ns.
 
     The gripper closes with at most `grip_force_n`. `start` (n,) rad is where an arm begins that exists in its driver
     only, zeros by default; `own_range` is what the joints can measure, by default what `limits` allow.
@@ -118,7 +118,7 @@ class DriverSetup:
 
     @property
     def joint_range(self) -> JointRange:
-        """What the joints can measure."""
+        """The range that the joints can measure."""
         limits = self.limits
         return self.own_range or JointRange(limits.lower, limits.upper, limits.velocity)
 

@@ -1,4 +1,4 @@
-"""Why a robot takes no commands: every fault's code, and whether the robot only waits to be activated."""
+"""The faults with which a robot takes no commands: their codes, and whether it only waits to be activated."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -43,7 +43,7 @@ class GripperOrders:
         return newest is not None
 
     def take(self, now_ns: int) -> GripperCommand:
-        """What is to be begun now; KEEP where there is nothing, or where it is too late."""
+        """Take what is to be begun now; KEEP where there is nothing, or where it is too late."""
         order = self._newest
         if order is None or order is self._begun:
             return GripperCommand.KEEP

@@ -50,7 +50,7 @@ class KinematicDriver:
         self._stop_ns, self._obeyed = None, None
 
     def read(self) -> RobotReading:
-        """Where the joints are; there is no gripper to measure."""
+        """Read where the joints are; there is no gripper to measure."""
         if self._sent is None:
             return self._at_start()
         motion = self._motion(self._sent)

@@ -60,7 +60,7 @@ def _listed(point: EntryPoint, *, shared: bool) -> ListedDriver:
 
 
 def missing_package(name: str) -> str:
-    """What a driver of Farhand's own lacks on this machine, and how to install it; "" for nothing."""
+    """Say what a driver of Farhand's own lacks on this machine, and how to install it; "" for nothing."""
     need = OWN_NEEDS.get(name)
     return need[1] if need is not None and find_spec(need[0]) is None else ""
 
@@ -70,7 +70,7 @@ def _is_own(point: EntryPoint) -> bool:
 
 
 def origin_of(point: EntryPoint) -> str:
-    """Which package provides an entry point, and whether it is Farhand itself."""
+    """Say which package provides an entry point, and whether it is Farhand itself."""
     if point.dist is None:
         return "of an unknown package"
     return f"{'ships with' if _is_own(point) else 'from'} {point.dist.name} {point.dist.version}"

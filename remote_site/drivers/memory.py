@@ -71,7 +71,7 @@ def _order(record: Record) -> DriverOrder:
 
 
 class DriverReport(NamedTuple):
-    """What the robot measured and what was last sent to it; `activation` is the last one that was handled.
+    """The robot as measured, and what was last sent to it; `activation` is the last one that was handled.
 
     `at_ns` is when the report was written, `t_ns` when the robot was measured, both of the monotonic clock and 0 before
     the first time; `oldest_ns` is how old that may become. `obeyed_seq` is valid only if `has_obeyed`. A fault is
@@ -138,7 +138,7 @@ class Bell:
 
 
 class BusyMark:
-    """When the current call of the driver began, ns of the monotonic clock; 0 between calls."""
+    """The time when the driver's current call began, ns of the monotonic clock; 0 between calls."""
 
     def __init__(self) -> None:
         self._since_ns = memoryview(mmap.mmap(-1, 8)).cast("q")

@@ -21,7 +21,7 @@ class PositionSteps:
         self.q = q
 
     def towards(self, goal: Array) -> Array:
-        """Where to send them on the way to `goal` (n,) in rad: there, if it is no step too far."""
+        """Return where to send them on the way to `goal` (n,) in rad: there, if it is no step too far."""
         way = goal - self.q
         times = float((np.abs(way) / self._most).max())
         self.q = goal if times <= 1.0 else self.q + way / times

@@ -22,7 +22,7 @@ Option = str | int | float | bool
 
 @dataclass(frozen=True, slots=True)
 class DriverHost:
-    """What a driver is made with: a clock, the table `driver.options`, and the simulated cell's memory, if any."""
+    """The inputs to make a driver: a clock, the table `driver.options`, and the simulated cell's memory, if any."""
 
     clock: Clock
     options: Mapping[str, Option] = field(default_factory=dict)
@@ -48,7 +48,7 @@ def create_driver(name: str, host: DriverHost) -> Driver:
 
 
 def load_factory(name: str) -> DriverFactory:
-    """What makes the driver of that name; ConfigError when there is none, or it cannot be loaded."""
+    """Load the factory of the driver of that name; ConfigError when there is none, or it cannot be loaded."""
     point = check_driver(name)
     try:
         factory: DriverFactory = point.load()
@@ -58,7 +58,7 @@ def load_factory(name: str) -> DriverFactory:
 
 
 def check_driver(name: str) -> EntryPoint:
-    """Where the driver of that name is; ConfigError, listing the alternatives, when there is none."""
+    """Find the driver of that name; ConfigError, listing the alternatives, when there is none."""
     installed = {point.name: point for point in entry_points(group=GROUP)}
     if not installed:
         raise ConfigError("no driver is registered: reinstall Farhand ('pip install -e .' in its folder)")

@@ -18,7 +18,7 @@ Row3 = tuple[float, float, float]
 
 
 def is_built_in(model: str) -> bool:
-    """Whether a model that Farhand brings has this name."""
+    """Return whether a model that Farhand brings has this name."""
     return Path(model).name == model and (MODELS / model / f"{model}.urdf").exists()
 
 

@@ -1,4 +1,4 @@
-"""How close a posture is to a singularity, and how much slower the arm moves towards a more singular one."""
+"""Dexterity: how close a posture is to a singularity, and how much slower the arm moves towards a more singular one."""
 
 import math
 from dataclasses import dataclass

@@ -232,7 +232,7 @@ class SphericalWristInverse:
         return reason(Code.IK_LIMIT, joint=name, value_deg=value_deg, lower_deg=lower_deg, upper_deg=upper_deg)
 
     def _out_of_reach(self, target: WristTarget, refusal: Reason | None) -> Reason:
-        """Why there is no solution: the wrist's distance if that is it, otherwise the nearest solution's refusal."""
+        """Say why there is no solution: the wrist's distance if that is it, else the nearest solution's refusal."""
         x, y, z = self._arm.centre(target)
         distance = math.hypot(x, y, z - self._arm.shoulder_height)
         if refusal is not None and distance >= self._least:

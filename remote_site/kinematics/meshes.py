@@ -29,6 +29,6 @@ def check_meshes(urdf: Path, meshes: Iterable[ElementTree.Element]) -> None:
 
 
 def words_of(error: Exception) -> str:
-    """What coal's loader says of a mesh, without the places in its own source and its hint."""
+    """Return what coal's loader says of a mesh, without the places in its own source and its hint."""
     said = str(error).split("message:")[-1].split("Hint:")[0]
     return " ".join(said.split())

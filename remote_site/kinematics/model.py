@@ -158,13 +158,13 @@ class ArmModel:
 
     @property
     def tcp_levers(self) -> list[float]:
-        """How far the tool centre point can move at most per rad (or m) of each joint, m."""
+        """The most by which each joint can move the tool centre point, m per rad (or m)."""
         tcp = self.pin_model.frames[self.tcp_frame].placement.translation
         return self.levers(len(self.joint_names), tcp[None])
 
 
 def named_twice(robot: ElementTree.Element) -> str:
-    """What is wrong, and its cure, where two links or two joints of a URDF have one name; else nothing."""
+    """Say what is wrong, and its cure, where two links or two joints of a URDF have one name; else nothing."""
     for kind in ("link", "joint"):
         counted = Counter(element.get("name", "") for element in robot.findall(kind))
         if twice := [name for name, times in counted.items() if times > 1]:

@@ -26,7 +26,7 @@ CURE = "the closed form needs axes z y y z y z that meet the base's z axis at th
 
 
 class Branch(NamedTuple):
-    """Which of the eight IK configurations: shoulder to the front or back, elbow and wrist bent one way (+1) or the
+    """One of the eight IK configurations: shoulder to the front or back, elbow and wrist bent one way (+1) or the
     other (-1).
     """
 

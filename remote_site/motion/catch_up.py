@@ -1,4 +1,4 @@
-"""How fast the tool catches up with a target that it was left behind, beyond the target's own motion; pure."""
+"""Catch-up with a target that the tool was left behind: its speed beyond the target's own motion; pure."""
 
 import math
 from collections.abc import Callable
@@ -47,31 +47,31 @@ class CatchUp:
         self.rate, self.due_ns = rate, t_ns
         self.learning, self._spare = LEARNING, 1.0
 
-    def hear(self, now_ns: int, stretch: float) -> None:
+    def note_arrival(self, now_ns: int, stretch: float) -> None:
         """Note that a sample has come: late, if after `due_ns`, which is then set for the next one."""
         late = now_ns > self.due_ns and self._predict_ns > 0
         self.learning = LEARNING if late else max(self.learning - 1, 0)
         self.due_ns = now_ns + round(stretch * self._predict_ns)
 
-    def leave(self, spare: float) -> None:
-        """The fraction of the catch-up speed that is left from now on."""
+    def limit_speed(self, spare: float) -> None:
+        """Keep to this fraction of the catch-up speed from now on."""
         self._spare = spare
 
-    def left(self, late: Numbers, since_ns: int) -> Numbers:
-        """What is left of a slow part after a time."""
+    def remaining(self, late: Numbers, since_ns: int) -> Numbers:
+        """Compute what is left of a slow part after a time."""
         decay = math.exp(-self.rate * max(since_ns, 0) / NS_PER_S)
         return [amount * decay for amount in late]
 
-    def take(self, here: Numbers, off: Numbers, dq_off: Numbers, rate: float, left: Numbers) -> Numbers:
-        """The slow part of a new offset from a line, which otherwise decays with `rate`; sets its own rate.
+    def update_slow_part(self, here: Numbers, off: Numbers, dq_off: Numbers, rate: float, late: Numbers) -> Numbers:
+        """Return the slow part of a new offset from a line, which otherwise decays with `rate`; set its own rate.
 
-        `left` is what is left of the slow part so far.
+        `late` is what is left of the slow part so far.
         """
         if self.learning:
             drift = [rate * away + step for away, step in zip(off, dq_off, strict=True)]
             self.rate = slower_rate(rate, self._tool_speed(here, drift), self._spare)
             return [amount / (rate - self.rate) if self.rate < rate else 0.0 for amount in drift]
-        if not any(left):
-            return left
-        self.rate = decay_rate(rate, self._tool_speed(here, left), self._spare)
-        return left if self.rate < rate else [0.0] * len(left)
+        if not any(late):
+            return late
+        self.rate = decay_rate(rate, self._tool_speed(here, late), self._spare)
+        return late if self.rate < rate else [0.0] * len(late)

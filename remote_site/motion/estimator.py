@@ -19,7 +19,7 @@ Clamp = Callable[[Numbers, Numbers], tuple[Numbers, Numbers]]
 
 
 class Transition(NamedTuple):
-    """What a time does to a state, by Singer's model of a manoeuvring target: the acceleration decays."""
+    """The change of a state in a time, by Singer's model of a manoeuvring target: the acceleration decays."""
 
     seconds: float
     way: float  # for each unit of acceleration
@@ -53,8 +53,8 @@ class TargetEstimator:
         self.states: list[State] = [(position, 0.0, 0.0) for position in q]
         self._gains.reset(len(q))
 
-    def take(self, t_ns: int, q: Array, rested: Numbers | None, *, moving: bool, settled: bool) -> float:
-        """Take a sample (n,) later than the last; the convergence rate in rad/s that it deserves.
+    def update(self, t_ns: int, q: Array, rested: Numbers | None, *, moving: bool, settled: bool) -> float:
+        """Correct the estimate by a sample (n,) later than the last; return the convergence rate in rad/s it deserves.
 
         `rested` is where the target has come to rest meanwhile, None while it moves. A target that only seems to move
         (not `moving`) has no velocity; while it has only just begun to (not `settled`), no acceleration is learned.
@@ -62,7 +62,7 @@ class TargetEstimator:
         elapsed = (t_ns - self.sample_ns) / NS_PER_S
         expected = Transition.over(elapsed).of(self.states) if rested is None else [(at, 0.0, 0.0) for at in rested]
         error = [new - old for new, (old, _, _) in zip(q.tolist(), expected, strict=True)]
-        gains = self._gains.take(error)
+        gains = self._gains.update(error)
         position_gain = gains.position if rested is None else 1.0
         acceleration_gain = gains.acceleration if settled else 0.0
         interval = max(elapsed, SHORTEST_S)
@@ -81,7 +81,7 @@ class TargetEstimator:
         return min(self._usual_s, interval_s)
 
     def at(self, t_ns: int) -> Numbers:
-        """Where the target is at a time, by the newest sample."""
+        """Compute where the target is at a time, by the newest sample."""
         return [position for position, *_ in Transition.over((t_ns - self.sample_ns) / NS_PER_S).of(self.states)]
 
     def _bounded(self, states: list[State]) -> list[State]:

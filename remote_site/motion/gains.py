@@ -21,7 +21,7 @@ class FilterGains(NamedTuple):
 
 
 class Correlation:
-    """How much successive deviations agree: deviations to alternating sides are noise."""
+    """The agreement of successive deviations: deviations to alternating sides are noise."""
 
     def __init__(self, size: int, memory: float) -> None:
         self._memory, self._mean, self._square = memory, [0.0] * size, 0.0
@@ -52,8 +52,8 @@ class Gains:
         """Nothing has deviated yet."""
         self._moves, self._accelerates = Correlation(size, MEMORY), Correlation(size, LONGER_MEMORY)
 
-    def take(self, deviation: Numbers) -> FilterGains:
-        """The gains for the newest deviation (n,)."""
+    def update(self, deviation: Numbers) -> FilterGains:
+        """Return the gains for the newest deviation (n,)."""
         moves, accelerates = self._moves.motion(deviation), self._accelerates.motion(deviation)
         shares = moves, moves, accelerates, moves
         columns = zip(self._rest, self._ranges, shares, strict=True)

@@ -1,4 +1,4 @@
-"""How hurried a target's motion is, and how much of it is therefore extrapolated; pure."""
+"""Haste of a target's motion, and how much of it is therefore extrapolated; pure."""
 
 import math
 
@@ -19,7 +19,7 @@ class Haste:
     def __init__(self) -> None:
         self._needed = 0.0
 
-    def take(self, needed: float, elapsed_s: float) -> None:
+    def update(self, needed: float, elapsed_s: float) -> None:
         """Note what the newest estimate needs."""
         self._needed = max(needed, self._needed * math.exp(-elapsed_s / MEMORY_S))
 

@@ -132,7 +132,7 @@ class JointPath:
 
 
 def part_of(begin: Knot, end: Knot, s: float) -> float:
-    """Which part of a segment is done at `s`."""
+    """Compute the fraction of a segment that is done at `s`."""
     return min(max((s - begin.s) / max(end.s - begin.s, NOTHING), 0.0), 1.0)
 
 

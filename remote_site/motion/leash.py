@@ -47,7 +47,7 @@ class Leash:
         return pose_between(former, target, least)
 
     def _reaches(self, target: Array, measured: Array, former: Array) -> bool:
-        """Whether a target is within both limits of the measured tool, or no farther from it than the former one."""
+        """Return whether a target is within both limits of the measured tool, or no farther from it than the former."""
         ways = zip(_way(target, measured), _way(former, measured), (self._distance_m, self._angle_rad), strict=True)
         return all(way <= max(before, limit) + EXACT for way, before, limit in ways)
 

@@ -4,7 +4,8 @@ from common.geometry import Array
 from remote_site.kinematics.dexterity import FULL, Dexterity
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
-from remote_site.motion.target_tracker import TargetTracker, ToolSample
+from remote_site.motion.target_tracker import TargetTracker
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Reason
 from remote_site.safety.collision_avoidance import CollisionAvoidance
 from remote_site.safety.guard import Guard, Refused
@@ -34,7 +35,7 @@ class MotionPlanner:
 
     @property
     def hindrance(self) -> Reason | None:
-        """Why the arm does not follow the target fully, None while it does."""
+        """The reason why the arm does not follow the target fully, None while it does."""
         return self._hindrance or self._obstacle
 
     def pace(self, sent: JointMotion) -> float:

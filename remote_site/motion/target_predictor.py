@@ -13,6 +13,7 @@ from remote_site.motion.catch_up import CatchUp
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.estimator import State, TargetEstimator, Transition
 from remote_site.motion.haste import Haste
+from remote_site.motion.tool_sample import ToolSample
 
 MADE_UP_NS = 40 * NS_PER_MS  # of a sample's age: to make up for more of it would overshoot wherever the hand turns
 DELAY_MEMORY = 1 / 64  # weight of the newest sample in the delay, so that jitter hardly moves the target
@@ -36,7 +37,7 @@ class Bounds(Protocol):
         """The convergence rate in rad/s, `wanted` or slower, for what position and velocity have to lose."""
 
     def tool_speed(self, q: Numbers, dq: Numbers) -> tuple[float, float]:
-        """How fast the tool moves (m/s) and turns (rad/s) when the target is at `q` and moves with `dq`."""
+        """Compute how fast the tool moves (m/s) and turns (rad/s) when the target is at `q` and moves with `dq`."""
 
     def effort(self, dq: Numbers, ddq: Numbers, speed: float) -> float:
         """The fraction of the greatest accelerations that these are, or more for an arm slowed to the fraction `speed`.
@@ -136,7 +137,7 @@ class TargetPredictor:
 
     @property
     def delay_ns(self) -> int:
-        """How long ago the hand was where the target is."""
+        """The time since the hand was where the target is, ns."""
         return self._delay_ns
 
     def reset(self, t_ns: int, q: Array) -> None:
@@ -151,41 +152,30 @@ class TargetPredictor:
         self._offsets = [(0.0, 0.0, 0.0) for _ in self._curve]
         self._catch_up.reset(t_ns, self._rate)
 
-    def aim(
-        self,
-        t_ns: int,
-        q: Array,
-        now_ns: int,
-        *,
-        moving: bool = True,
-        stretch: float = 1.0,
-        spare: float = 1.0,
-        speed: float = 1.0,
-    ) -> None:
-        """Take a new sample of the target (n,) for the time `t_ns`, later than the last, known at `now_ns`.
+    def aim(self, sample: ToolSample, q: Array, *, moving: bool = True) -> None:
+        """Take a new sample of the target, (n,) numbers `q` for the time `sample.t_ns`, later than the last.
 
-        A target that moves only because it is held near the arm (not `moving`) is not extrapolated; any other is, for
-        `stretch` times `predict_ms`. `spare` is the fraction of the catch-up speed that the samples leave, `speed` the
-        fraction of full speed at which the arm follows: a slowed one is hurried by less.
+        A target that moves only because it is held near the arm (not `moving`) is not extrapolated.
         """
+        t_ns, now_ns = sample.t_ns, sample.now_ns
         if t_ns <= self._estimator.sample_ns:
             return
-        self._catch_up.leave(spare)
-        self.hear(now_ns, stretch)
+        self._catch_up.limit_speed(sample.spare)
+        self.note_arrival(sample)
         ended = t_ns > self._end_ns - self._delay_ns
         rested, settled = self._at_end() if ended else None, self._catch_up.learning == 0
         elapsed_s = (t_ns - self._estimator.sample_ns) / NS_PER_S
-        rate = self._estimator.take(t_ns, q, rested, moving=moving, settled=settled)
+        rate = self._estimator.update(t_ns, q, rested, moving=moving, settled=settled)
         _, dq, ddq = (list(column) for column in zip(*self._estimator.states, strict=True))
-        self._haste.take(self._bounds.effort(dq, ddq, max(speed, SLOWEST)), elapsed_s)
+        self._haste.update(self._bounds.effort(dq, ddq, max(sample.speed, SLOWEST)), elapsed_s)
         self._learn_delay(now_ns - t_ns)
         self._end_ns = self._catch_up.due_ns if self._predict_ns else t_ns + self._delay_ns
         curve = [(at, *self._haste.extrapolated(*motion)) for at, *motion in self._estimator.states]
         self._turn_to(t_ns + self._delay_ns, curve, now_ns, rate)
 
-    def hear(self, now_ns: int, stretch: float) -> None:
+    def note_arrival(self, sample: ToolSample) -> None:
         """Note that a sample has come, late or not; also one that gives no target."""
-        self._catch_up.hear(now_ns, stretch)
+        self._catch_up.note_arrival(sample.now_ns, sample.stretch)
 
     def at(self, now_ns: int) -> Motion:
         """The target's position (n,), velocity and acceleration (n,) per s and s² at `now_ns`, within its bounds."""
@@ -199,13 +189,13 @@ class TargetPredictor:
         return np.array(positions), np.array(velocities), np.array(bounded)
 
     def _learn_delay(self, age_ns: int) -> None:
-        """How much older than what is made up for the samples are."""
+        """Learn how much older the samples are than what is made up for."""
         older_ns = max(age_ns - MADE_UP_NS, 0)
         self._delay_ns += older_ns if self._is_first else round(DELAY_MEMORY * (older_ns - self._delay_ns))
         self._is_first = False
 
     def _at_end(self) -> Numbers:
-        """Where the extrapolation ends."""
+        """Compute where the extrapolation ends."""
         return self._estimator.at(self._end_ns - self._delay_ns)
 
     def _turn_to(self, t_ns: int, states: list[State], now_ns: int, rate: float) -> None:
@@ -216,8 +206,8 @@ class TargetPredictor:
         off = [at - position for at, (position, _, _) in zip(here, now, strict=True)]
         dq_off = [at - velocity for at, (_, velocity, _) in zip(moving, now, strict=True)]
         rate = self._bounds.convergence(rate, off, dq_off)
-        left = self._catch_up.left([late for *_, late in self._offsets], now_ns - self._since_ns)
-        slow = self._catch_up.take(here, off, dq_off, rate, left)
+        remaining = self._catch_up.remaining([late for *_, late in self._offsets], now_ns - self._since_ns)
+        slow = self._catch_up.update_slow_part(here, off, dq_off, rate, remaining)
         slow_rate, columns = self._catch_up.rate, zip(off, dq_off, slow, strict=True)
         self._offsets = [
             (away - late, step + slow_rate * late + rate * (away - late), late) for away, step, late in columns

@@ -1,6 +1,6 @@
 """Inverse kinematics of the tool's target: in closed form at every sample, or step by step for any arm; pure."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -18,34 +18,13 @@ from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.path_inverse import PathInverse
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_predictor import SLOWEST, TargetPredictor, joint_target_predictor
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.motion.waiting_target import WaitingTarget
 from remote_site.reasons import Code, Reason, reason
 
 UNWIND_S = 5.0  # 1/s: how fast a target that the joints do not follow comes back to them
 SHORTEST_S, LONGEST_S = 0.01, 0.2  # between two targets, for the pace of joint 4
 FAR_M, FAR_RAD = 0.01, 0.05  # a tool that stays further from its target is reported
-
-
-@dataclass(frozen=True, slots=True)
-class ToolSample:
-    """A target of the tool from one hand sample.
-
-    `base_T_target` (4 x 4) holds for the time `t_ns` and is known since `now_ns`; `elbow` is the operator's from the
-    wrist (3,) in m in the base's axes, None while it is not seen; `leashed` is why the leash holds the target (then
-    it moves only with the arm), `boxed` why the workspace's box does; both None while they do not. It is extrapolated
-    `stretch` times as long as configured. `spare` is the fraction of the catch-up speed (`catch_up.py`) with which it
-    does not move itself, `speed` the fraction of full speed at which the arm follows.
-    """
-
-    t_ns: int
-    now_ns: int
-    base_T_target: Array
-    elbow: Array | None
-    leashed: Reason | None
-    stretch: float = 1.0
-    spare: float = 1.0
-    speed: float = 1.0
-    boxed: Reason | None = None
 
 
 class TargetTracker(Protocol):
@@ -89,11 +68,10 @@ class ClosedFormTracker:
         solution = self._solved(target)
         if not isinstance(solution, Solution):
             self._waiting.halt(self._inverse.q)
-            self._predictor.hear(target.now_ns, target.stretch)
+            self._predictor.note_arrival(target)
             return solution.reason
         self._solved_ns = target.t_ns
-        stretch, spare, speed = target.stretch, target.spare, target.speed
-        self._predictor.aim(target.t_ns, solution.q, target.now_ns, stretch=stretch, spare=spare, speed=speed)
+        self._predictor.aim(target, solution.q)
         return None
 
     def _solved(self, target: ToolSample) -> Solution | Unreachable:
@@ -145,10 +123,7 @@ class DifferentialTracker:
             return reason(Code.NOT_A_POSE)
         turn = unwound(pin.log3(base_T_target[:3, :3] @ self._turned_from.T), self._pose[3:])
         self._pose = np.concatenate([base_T_target[:3, 3], turn])
-        moving, stretch, spare, speed = target.leashed is None, target.stretch, target.spare, target.speed
-        self._predictor.aim(
-            target.t_ns, self._pose, target.now_ns, moving=moving, stretch=stretch, spare=spare, speed=speed
-        )
+        self._predictor.aim(target, self._pose, moving=target.leashed is None)
         self._elbow = elbow if elbow is not None else self._elbow
         return self._off
 

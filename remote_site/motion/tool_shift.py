@@ -1,4 +1,4 @@
-"""How far joints move the tool, each alone and all together, and where they cancel each other; pure."""
+"""Shift of the tool by joints, each alone and all together, and where they cancel each other; pure."""
 
 import math
 
@@ -19,25 +19,25 @@ class ToolShift:
         self._model = model
 
     def lever(self, q: Array) -> Array:
-        """How far each joint but 4 and 6 moves the tool (3, n) in m/rad at `q` (n,) rad."""
+        """Compute how far each joint but 4 and 6 moves the tool (3, n) in m/rad at `q` (n,) rad."""
         lever: Array = self._model.jacobian(q)[:3]
         lever[:, WRIST_ROLLS] = 0.0
         return lever
 
     def speed_m_s(self, q: Array, dq: Array) -> float:
-        """How fast the tool moves when the joints are at `q` and move with `dq`."""
+        """Compute how fast the tool moves when the joints are at `q` and move with `dq`."""
         return math.hypot(*(self._model.jacobian(q)[:3] @ dq).tolist())
 
     def between_m(self, q: Array, at: Array) -> float:
-        """How far the tool is from where it would be at `q`, for joints near there at `at`."""
+        """Compute how far the tool is from where it would be at `q`, for joints near there at `at`."""
         return math.hypot(*(self._model.jacobian(at)[:3] @ (q - at)).tolist())
 
     def by_rolls_m(self, q: Array, at: Array) -> float:
-        """How far joints 4 and 6 alone move the tool on their way to `q`, for joints near there at `at`."""
+        """Compute how far joints 4 and 6 alone move the tool on their way to `q`, for joints near there at `at`."""
         return math.hypot(*(self._model.jacobian(at)[:3, WRIST_ROLLS] @ (q - at)[WRIST_ROLLS]).tolist())
 
     def stretch(self, q: Array) -> float:
-        """How many times faster than the tool, at most, one joint alone moves it while the others take it back.
+        """Compute how many times faster than the tool, at most, one joint alone moves it while others take it back.
 
         At least 1; infinite where the elbow is straight. For the columns a, b, c of joints 1 to 3, a alone moves
         it by up to |a| |b x c| / |det| per way of the tool, and so on. From their products, |b x c|^2 is bb cc - bc bc,

@@ -97,12 +97,12 @@ class WaitingTarget:
 
     @property
     def waits(self) -> bool:
-        """Whether it is on its path, not where the hand asks."""
+        """Return whether it is on its path, not where the hand asks."""
         return bool(self._path.knots)
 
     @property
     def ahead_s(self) -> float:
-        """What is left of the path, in s at full speed."""
+        """The rest of the path, in s at full speed."""
         return self._path.knots[-1].s - self._s if self.waits else 0.0
 
     def add(self, q: Array, t_ns: int) -> None:
@@ -150,7 +150,7 @@ class WaitingTarget:
         return JointMotion(q, dq, np.where(dq == motion.dq, motion.ddq, 0.0))
 
     def _is_close(self, motion: JointMotion, target: JointMotion) -> bool:
-        """Whether what is left to the target is so little that it need not be on the path."""
+        """Return whether what is left to the target is so little that it need not be on the path."""
         far = np.abs(motion.q - target.q)
         far[WRIST_ROLLS] *= COUNTED
         return float(far.max()) < CLOSE_RAD and self._path.pace(motion.dq - target.dq) < CLOSE_PACE
@@ -221,7 +221,7 @@ class WaitingTarget:
         return math.sqrt(min(square + 2 * after.gain * max(after.s - self._s, 0.0), after.bend))
 
     def _must_wait(self, motion: JointMotion, target: JointMotion, sent: JointMotion, *, too_fast: bool) -> bool:
-        """Whether joints will take the tool off its way: where the elbow is bent, what they lag leads along it.
+        """Return whether joints will take the tool off its way: where the elbow is bent, what they lag leads along it.
 
         Not so what joints 4 and 6 lag: the others make up for where these should be.
         """
@@ -236,7 +236,7 @@ class WaitingTarget:
         return max(self._tool.stretch(here.q), self._tool.stretch(target.q))
 
     def _left(self, target: JointMotion, at: Array) -> bool:
-        """Whether the tool has left its way, or is about to.
+        """Return whether the tool has left its way, or is about to.
 
         One that is behind its target is late, but on its way: what counts is how far it is beside it. Where the joints'
         own motions cancel, as near a stretched elbow, what they lag soon leads beside the way.
@@ -250,7 +250,7 @@ class WaitingTarget:
         return float(off @ off) - along * along > (CANCELLED_M if cancels else LEFT_M) ** 2
 
     def _near(self, q: Array, at: Array) -> float:
-        """How near the tool is to its place on the path: 1 where the path goes on as it can, 0 where it waits."""
+        """Rate how near the tool is to its place on the path: 1 where the path goes on as it can, 0 where it waits."""
         return min(max((FAR_M - self._tool.between_m(q, at)) / (FAR_M - NEAR_M), 0.0), 1.0)
 
 

@@ -1,1 +1,1 @@
-"""What a recorder of the cell gets: the rings that control and video fill, and the process that keeps them."""
+"""Recording of the cell: the rings that control and video fill, and the process that keeps what comes through them."""

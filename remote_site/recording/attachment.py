@@ -54,13 +54,13 @@ class SiteAttachment:
             memory.beat(now_ns)
 
     def orders(self) -> Iterator[RecordOrder]:
-        """What the lease's holder has asked for."""
+        """Yield what the lease's holder has asked for."""
         if self._orders is not None:
             for data in iter(self._orders.take, None):
                 yield ORDERS.decode(data)
 
     def records(self) -> Iterator[Kept]:
-        """What control and video have left since the last call."""
+        """Yield what control and video have left since the last call."""
         for reader in self._readers:
             for _ in range(MOST_AT_ONCE):
                 data = reader.take()

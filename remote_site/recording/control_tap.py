@@ -76,7 +76,7 @@ class ControlTap:
         self._memory.requests.write(ENCODER.encode(order))
 
     def state(self, now_ns: int) -> RecordingState | None:
-        """What the recorder does, None while none is there."""
+        """Return what the recorder does; None while none is there."""
         told = list(islice(iter(self._status.take, None), STATES_PER_LOOK))
         if told:
             self._state = self._decoded(told[-1])

@@ -19,7 +19,7 @@ from remote_site.teleop.cycle import Command, CycleInput
 
 
 class ObeyedSample(NamedTuple):
-    """Which hand sample a motion follows: captured at `capture_ns` by the operator's clock, `born_ns` by ours."""
+    """The hand sample that a motion follows: captured at `capture_ns` by the operator's clock, `born_ns` by ours."""
 
     session: int
     seq: int
@@ -28,7 +28,7 @@ class ObeyedSample(NamedTuple):
 
 
 class CycleOutcome(NamedTuple):
-    """What a cycle decided, and what became of it.
+    """The decision of a cycle, and what became of it.
 
     `motion`, `gripper` and `activate_at` are the pipeline's command; `ordered` is what the driver's process was ordered
     instead of `motion` where a stop was under way, None where it was ordered nothing. `written` is what that process
@@ -61,7 +61,7 @@ class CycleOutcome(NamedTuple):
 
 
 def outcome_of(number: int, command: Command, ordered: JointCommand | None, report: RobotReport) -> CycleOutcome:
-    """What is kept of a cycle's command, with what was really sent; the `report` is the one that it began with."""
+    """Build what is kept of a cycle's command, with what was really sent; `report` is the one that it began with."""
     snapshot = command.snapshot
     return CycleOutcome(
         number,

@@ -122,7 +122,7 @@ class RecordingMemory:
             ) from error
 
     def is_left(self) -> bool:
-        """Whether no process of the site lives any more, or another run has taken its place; for the recorder."""
+        """Return whether no process of the site lives any more, or another run has its place; for the recorder."""
         try:
             fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
@@ -133,7 +133,7 @@ class RecordingMemory:
         return True
 
     def take_over(self) -> bool:
-        """Whether nobody has read this site's rings before, so that they may be read from their beginning."""
+        """Take over this site's rings; return whether nobody has read them: then they are read from the beginning."""
         is_first, self._taken[0] = self._taken[0] == 0, 1
         return is_first
 
@@ -142,7 +142,7 @@ class RecordingMemory:
         self._beat[0] = now_ns
 
     def has_recorder(self, now_ns: int) -> bool:
-        """Whether a recorder has beaten within the last seconds."""
+        """Return whether a recorder has beaten within the last seconds."""
         return now_ns - self._beat[0] < GONE_NS
 
     def close(self) -> None:
@@ -200,5 +200,5 @@ def _free_room(folder: Path, who: str) -> str:
 
 
 def _is_awaited(place: Path) -> bool:
-    """Whether a recorder of this user waits: no other may read what this user leaves."""
+    """Return whether a recorder of this user waits: no other may read what this user leaves."""
     return any(is_held(path) for path in own_files(place, WAITING))

@@ -22,7 +22,7 @@ OPENING = os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW
 
 
 def memory_place(cell: str, links: RemoteLinksConfig) -> Path:
-    """Where the site of this cell and these endpoints has its files: the folder, and the beginning of their names."""
+    """Return where the site of this cell and these endpoints has its files: the folder, and how their names begin."""
     endpoints = f"{links.control} {links.router}".encode()
     return FOLDER / f"farhand-{cell}-{zlib.crc32(endpoints):08x}"
 
@@ -63,7 +63,7 @@ def remove_left(place: Path, kind: str = MEMORY) -> None:
 
 
 def is_held(path: Path) -> bool:
-    """Whether a process has locked the file."""
+    """Return whether a process has locked the file."""
     try:
         handle = os.open(path, OPENING)
     except OSError:

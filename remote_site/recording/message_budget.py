@@ -1,4 +1,4 @@
-"""How much each sender may add to a recording beside the holder's hand samples: the rest is left out, counted; pure."""
+"""Budget of each sender in a recording, beside the holder's hand samples: the rest is left out, counted; pure."""
 
 from dataclasses import dataclass
 
@@ -45,7 +45,7 @@ class MessageBudget:
         self._senders: dict[str, _Sender] = {}
 
     def keeps(self, message: PassedMessage, holder: str, *, refused: bool = False) -> bool:
-        """Whether a message is recorded; always the state and the lease holder's hand samples, unless `refused`."""
+        """Return whether a message is recorded; always the state and the holder's hand samples, unless `refused`."""
         kind, _, name = _kind(message.key).rpartition("/")
         operator = name if kind in BY_OPERATOR and CELL_NAME.fullmatch(name) is not None else OTHERS
         if message.sent and name == STATES and not kind:
@@ -55,7 +55,7 @@ class MessageBudget:
         return self._admits(operator, len(message.payload), message.t_ns)
 
     def take_left_out(self, now_ns: int) -> list[LeftOut]:
-        """What was left out since it was last said, of each sender once a minute; soon where it is the first."""
+        """Take what was left out since it was last said, of each sender once a minute; soon where it is the first."""
         due = {name: sender for name, sender in self._senders.items() if sender.messages and now_ns >= sender.say_ns}
         told = [LeftOut(now_ns, name, sender.messages, sender.size) for name, sender in due.items()]
         for sender in due.values():

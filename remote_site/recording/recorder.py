@@ -59,11 +59,11 @@ class CellRecorder:
 
     @property
     def lost(self) -> int:
-        """What is missing in the recording: cycles, or records of any kind that were overwritten."""
+        """The number of missing cycles, or of records of any kind that were overwritten."""
         return max(self._site.lost, self._transcript.missing)
 
     def state(self) -> RecordingState:
-        """What the recorder does."""
+        """Return what the recorder does."""
         return self._recording.state(self.lost)
 
     def _begin(self, now_ns: int) -> None:

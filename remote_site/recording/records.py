@@ -1,4 +1,4 @@
-"""What goes through the rings between the site's processes and its recorder, as bytes and back."""
+"""Records that go through the rings between the site's processes and its recorder, as bytes and back."""
 
 import msgspec
 
@@ -38,7 +38,7 @@ class FullPicture(msgspec.Struct, frozen=True, array_like=True, tag="picture"):
 
 
 class LeftOut(msgspec.Struct, frozen=True, array_like=True, tag="left_out"):
-    """How many messages of an operator, and of how many bytes, were not recorded until `t_ns`, since it was last told.
+    """The messages of an operator, and their bytes, that were not recorded until `t_ns`, since this was last reported.
 
     The operator is empty where keys name none.
     """
@@ -50,7 +50,7 @@ class LeftOut(msgspec.Struct, frozen=True, array_like=True, tag="left_out"):
 
 
 class RecordOrder(msgspec.Struct, frozen=True, array_like=True):
-    """What the lease's holder asks of the recorder."""
+    """An order of the lease's holder to the recorder."""
 
     action: RecordAction
     operator: str
@@ -67,7 +67,7 @@ STATES = msgspec.msgpack.Decoder(dict[str, object])
 
 
 def decode_state(data: bytes) -> RecordingState:
-    """What a recorder wrote of itself; MessageError for anything else.
+    """Decode what a recorder wrote of itself; MessageError for anything else.
 
     A recorder of the next release may tell more: what it adds is left out, and text is cut to what a message holds.
     """

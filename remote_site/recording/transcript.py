@@ -67,7 +67,7 @@ class Transcript:
         self.missing = 0
 
     def preamble(self, session: RecordingSession, now_ns: int) -> None:
-        """What a reader needs to know, whichever file it opens: the cell, its configuration, its calibrations."""
+        """Write what a reader needs to know, whichever file it opens: the cell, its configuration, its calibrations."""
         config, robot = self._config, self._config.robot
         table = {
             "cell": config.cell,
@@ -127,7 +127,7 @@ class Transcript:
         session.add(image_topic(picture.camera), image, t_ns)
 
     def left_out(self, session: RecordingSession, left: LeftOut) -> None:
-        """What was not recorded of an operator, as a line of the recording's log and of the recorder's."""
+        """Log what was not recorded of an operator, in the recording's log and in the recorder's."""
         who, size = left.operator or "senders without a name", f"{left.size / 1000:.0f} kB"
         why = f"at most {KEPT_BYTES_PER_S >> 10} kB a second of each are, beside the lease holder's hand samples"
         sentence = f"{left.messages} messages ({size}) of {who} are not recorded: {why}"

@@ -24,7 +24,7 @@ class VideoTap:
         self._budget = MessageBudget()
 
     def is_watched(self) -> bool:
-        """Whether a recorder is there."""
+        """Return whether a recorder is there."""
         return self._memory.has_recorder(self._clock.now_ns())
 
     def note_message(self, key: str, payload: bytes, *, sent: bool, refused: bool = False) -> None:

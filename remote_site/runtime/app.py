@@ -201,7 +201,7 @@ def _assist_memory(config: RemoteConfig) -> AssistMemory | None:
 
 
 def _recording_memory(config: RemoteConfig) -> RecordingMemory | None:
-    """What a recorder attaches to; None, with the reason in the log, where it cannot be made: nothing else needs it."""
+    """Make what a recorder attaches to; None, with the reason in the log, where that fails: nothing else needs it."""
     try:
         return RecordingMemory.create(memory_place(config.cell, config.links), time.monotonic_ns())
     except ProcessError as error:
@@ -210,7 +210,7 @@ def _recording_memory(config: RemoteConfig) -> RecordingMemory | None:
 
 
 def _marker_look(config: RemoteConfig, assist: AssistMemory) -> MarkerLook:
-    """What looks for the markers of the targets in all views that are calibrated."""
+    """Make what looks for the markers of the targets in all views that are calibrated."""
     video, cell, tool_T_tcp = config.video, config.simulation, config.robot.tool_T_tcp
     known = {camera.name: calibration_of(camera, video, cell, tool_T_tcp) for camera in video.cameras}
     views = {name: calibration for name, calibration in known.items() if calibration is not None}

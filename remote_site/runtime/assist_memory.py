@@ -1,4 +1,4 @@
-"""What control and video share for fine adjustment: the measured joints of the last second, and the markers."""
+"""Memory of control and video for fine adjustment: the measured joints of the last second, and the markers."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -64,7 +64,7 @@ class AssistMemory:
         self._sightings.write(record)
 
     def take_markers(self) -> tuple[MarkerSighting, ...]:
-        """What is newly known of the markers since the last call."""
+        """Take what is newly known of the markers since the last call."""
         if self._sightings.count == self._taken:
             return ()
         self._taken = self._sightings.count

@@ -83,7 +83,7 @@ def check_driven_arm(config: RemoteConfig) -> None:
 
 
 def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
-    """What would end a process of the site that loads the arm; parts that need a broken one are not checked."""
+    """Find what would end a process of the site that loads the arm; parts that need a broken one are not checked."""
     loading = _Loading()
     _load_driver(config, loading)
     loading.load("video", f"{H264_CURE}, or video.codec = 'auto'", lambda: can_encode(config.video.codec))
@@ -95,7 +95,7 @@ def find_mistakes(config: RemoteConfig) -> list[StartupMistake]:
 
 
 def find_unguarded(config: RemoteConfig) -> tuple[str, ...]:
-    """What a configuration without mistakes leaves unguarded, part by part."""
+    """Find what a configuration without mistakes leaves unguarded, part by part."""
     return unguarded(config.robot, config.safety, load_model(config.robot))
 
 
@@ -145,7 +145,7 @@ def _load_start(limits: JointLimits, robot: RobotConfig, loading: _Loading) -> A
 
 
 def _load_setup(model: ArmModel, limits: JointLimits, config: RemoteConfig, loading: _Loading) -> None:
-    """How long stops take, and what the driver itself checks of the arm and its options, where there is a driver."""
+    """Check how long stops take; where there is a driver, have it check the arm and its options."""
     speed, longest_ms = config.robot.speed, config.safety.longest_stop_ms
     quicker = "correct robot.jerk_rad_s3, robot.acceleration_rad_s2 and robot.speed, or safety.longest_stop_ms"
     loading.load("stopping", quicker, lambda: check_stops(limits, speed, longest_ms))

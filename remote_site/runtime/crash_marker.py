@@ -75,7 +75,7 @@ def _check_link(path: Path) -> None:
 
 
 def _is_left(path: Path) -> bool:
-    """Whether the run of this marker has ended, and not in order; what is no marker counts as one."""
+    """Return whether the run of this marker has ended, and not in order; what is no marker counts as one."""
     try:
         marker = os.open(path, OPENING)
     except FileNotFoundError:  # it has just ended in order

@@ -69,7 +69,7 @@ def run_driver(
 
 
 def setup_of(config: RemoteConfig) -> DriverSetup:
-    """What every driver is configured with; ConfigError where its stops could take longer than configured."""
+    """Build the setup of every driver; ConfigError where its stops could take longer than configured."""
     model, limits = load_arm(config.robot)
     check_stops(limits, config.robot.speed, config.safety.longest_stop_ms)
     return setup_with(config, model, limits)
@@ -89,7 +89,7 @@ def setup_with(config: RemoteConfig, model: ArmModel, limits: JointLimits) -> Dr
 
 
 def grip_settings(config: RemoteConfig) -> GripSettings:
-    """When a gripper is closed, open, or late."""
+    """Build the settings by which a gripper is closed, open, or late."""
     grip = config.grip
     return GripSettings(
         grip.closed_mm / 1000, grip.open_mm / 1000, round(grip.timeout_ms * NS_PER_MS), grip.force_n * HELD_FRACTION

@@ -70,7 +70,7 @@ class EchoChannel:
         )
 
     def _publisher(self, operator: str) -> Publisher[ProbeEcho] | None:
-        """What sends this operator's echoes; None for more names than a list can have."""
+        """Return what sends this operator's echoes; None for more names than a list can have."""
         if operator not in self._publishers and len(self._publishers) < MOST_ECHOED:
             self._publishers[operator] = self._link.publisher(self._echo, self._cell, operator=operator)
         return self._publishers.get(operator)

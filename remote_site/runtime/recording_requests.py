@@ -53,7 +53,7 @@ class RecordingRequests:
 
 
 class ControlRecording:
-    """What control does for a recorder in each tick, behind its command."""
+    """Control's work for a recorder in each tick, behind its command."""
 
     def __init__(self, tap: ControlTap, requests: RecordingRequests) -> None:
         self._tap, self._requests = tap, requests
@@ -68,7 +68,7 @@ class ControlRecording:
 def refusal_of(
     action: RecordAction, operator: str, lease: Lease | None, recorder: RecordingState | None
 ) -> Reason | None:
-    """Why this operator's request is not carried out, None where it is; without a recorder `recorder` is None."""
+    """Say why this operator's request is not carried out, None where it is; without a recorder `recorder` is None."""
     if lease is None:
         return reason(Code.NO_LEASE)
     if lease.holder.name != operator:

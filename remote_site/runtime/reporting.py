@@ -87,7 +87,7 @@ class Reporter:
         return self._publisher.payload_bytes
 
     def _state(self, snapshot: Snapshot, driven: DrivenPipeline, malformed: Mapping[str, int]) -> RobotState:
-        """What every state has: the robot, the session, and how well the loop runs."""
+        """Build what every state has: the robot, the session, and how well the loop runs."""
         report, reason = driven.report, snapshot.reason
         return RobotState(
             session=self._session,
@@ -132,7 +132,7 @@ class Reporter:
 
 
 def loop_timing(rate: Rate, *, real_time: bool) -> LoopTiming:
-    """How well the control loop keeps its rate, and whether the kernel schedules it in real time."""
+    """Report how well the control loop keeps its rate, and whether the kernel schedules it in real time."""
     return LoopTiming(rate.hz, rate.late_us(LATE_PERCENTILE), rate.missed, rate.ticks, real_time)
 
 

@@ -1,4 +1,4 @@
-"""What all processes of the remote site share: the lease, whether all have started, whether and why all end."""
+"""Memory of all processes of the remote site: the lease, whether all have started, whether and why all end."""
 
 import mmap
 
@@ -59,7 +59,7 @@ class SiteMemory:
 
     @property
     def ready(self) -> bool:
-        """Whether every process has started."""
+        """Return whether every process has started."""
         return self._flags[READY] == 1
 
     def set_ending(self) -> None:
@@ -68,7 +68,7 @@ class SiteMemory:
 
     @property
     def ending(self) -> bool:
-        """Whether the site was asked to end."""
+        """Return whether the site was asked to end."""
         return self._flags[ENDING] == 1
 
     def set_failure(self, sentence: str) -> None:
@@ -77,6 +77,6 @@ class SiteMemory:
 
     @property
     def failure(self) -> str:
-        """Why the site has to end by itself, empty as long as it has not to; cut off after 360 bytes."""
+        """The reason why the site has to end by itself, empty as long as it has not to; cut off after 360 bytes."""
         failure: bytes = self._failure.read()["sentence"].item()
         return failure.decode(errors="ignore")

@@ -1,4 +1,4 @@
-"""How often the state is sent over a long link; pure."""
+"""Pace at which the state is sent over a long link; pure."""
 
 from common.clock import NS_PER_MS
 from common.messages.robot import SessionState
@@ -24,7 +24,7 @@ class StatePace:
         self._said: tuple[SessionState, Code, int] | None = None
 
     def is_due(self, now_ns: int, says: tuple[SessionState, Code, int], network_ms: float | None) -> bool:
-        """Whether to send the state now, which then counts as sent.
+        """Return whether to send the state now, which then counts as sent.
 
         `says` is the session's state with its code and its newest halt, `network_ms` half a round trip, None while it
         is not known.

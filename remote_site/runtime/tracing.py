@@ -61,7 +61,7 @@ class Tracing:
         return moved or self._newest
 
     def see(self, reading: RobotReport) -> None:
-        """What the robot has measured, and which command had reached it by then."""
+        """Note what the robot has measured, and which command had reached it by then."""
         for one in self._under_way:
             if one.obeyed.motion_ns is None and _has_reached(reading, one.command_seq):
                 self._moved = one.obeyed = msgspec.structs.replace(one.obeyed, motion_ns=reading.t_ns)

@@ -35,7 +35,7 @@ class TransitionLog:
             structlog.get_logger().info("session", **fields, **counted(changes))
 
     def _is_stop(self, reason: Reason, halted_ns: int, now_ns: int) -> bool:
-        """Whether a halt has come that bars the arm and was not just said."""
+        """Return whether a halt has come that bars the arm and was not just said."""
         is_new, self._halted_ns = halted_ns != self._halted_ns, halted_ns
         is_same = reason.sentence == self._barred_by and now_ns - self._barred_ns < APART_NS
         if not is_new or is_same or reason.code not in BARRED:

@@ -1,4 +1,4 @@
-"""Whether the arm keeps clear on all its path to rest: the tool in its box, every pair of bodies apart."""
+"""Clearance of the arm on all its path to rest: the tool in its box, every pair of bodies apart."""
 
 import math
 
@@ -29,7 +29,7 @@ class Workspace:
         self._lower, self._upper = lower.tolist(), upper.tolist()
 
     def depth(self, point_in_base: Array) -> float:
-        """How far a point lies inside, m; negative outside, and -inf if it is not finite."""
+        """Compute how far a point lies inside, m; negative outside, and -inf if it is not finite."""
         x, y, z = point_in_base.tolist()
         if not math.isfinite(x + y + z):
             return -math.inf
@@ -38,7 +38,7 @@ class Workspace:
         return depth
 
     def excess(self, point_in_base: Array) -> float:
-        """How far a point lies outside, m; 0 inside."""
+        """Compute how far a point lies outside, m; 0 inside."""
         return max(0.0, -self.depth(point_in_base))
 
     def clamp(self, point_in_base: Array) -> Array:
@@ -64,7 +64,7 @@ class ClearanceCheck:
         self._kept = collision.margin + TOLERANCE
 
     def in_doubt(self, q: list[float], reach: list[float]) -> Indices:
-        """Which clearances may end in postures of which no joint is further than `reach` (n,) from `q` (n,)."""
+        """Find which clearances may end in postures of which no joint is further than `reach` (n,) from `q` (n,)."""
         if self._cache.covers(q, reach):
             return NONE
         return self._look(np.array(q), np.array(reach))
@@ -76,7 +76,7 @@ class ClearanceCheck:
         return np.flatnonzero(~(clearances >= self._levers.dot(reach)))
 
     def clear(self, ends: list[JointStop], doubtful: Indices | None = None) -> bool:
-        """Whether the arm stays clear until all stops have ended, if only some clearances are in doubt.
+        """Return whether the arm stays clear until all stops have ended, if only some clearances are in doubt.
 
         Ever shorter parts of the path are checked, each only for what was in doubt before, until nothing is.
         """
@@ -100,7 +100,7 @@ class ClearanceCheck:
         return False
 
     def retreats(self, ends: list[JointStop], q: Array) -> bool:
-        """Whether an arm at `q` (n,) rad that is not clear makes no clearance worse until all stops end."""
+        """Return whether an arm at `q` (n,) rad that is not clear makes no clearance worse until all stops end."""
         here = self._clearances(q, self._every)
         if here.min() >= -NOISE:
             return False
@@ -109,7 +109,7 @@ class ClearanceCheck:
         return bool((self._worst(ends) >= allowed - POSITION).all())
 
     def why(self, motion: JointMotion, ends: list[JointStop]) -> Reason:
-        """What is wrong with a motion's path to rest."""
+        """Say what is wrong with a motion's path to rest."""
         worst = self._worst(ends)
         if worst[0] < -POSITION:
             return reason(Code.WORKSPACE, excess_mm=-worst[0] * 1e3)
@@ -121,7 +121,7 @@ class ClearanceCheck:
         )
 
     def _doubtful(self, q: Array, reach: Array, indices: Indices) -> Indices | None:
-        """Which of some clearances may end in postures within `reach` (n,) of `q`; None if one certainly does."""
+        """Find which of some clearances may end in postures within `reach` (n,) of `q`; None if one certainly does."""
         travel = self._levers[indices] @ reach
         clearances = self._clearances(q, indices)
         enough = clearances >= travel - np.minimum(travel, TOLERANCE) - POSITION

@@ -31,7 +31,7 @@ class ClosePair:
 
 
 class ClearanceCache:
-    """How far the arm may still move before any known clearance is in doubt.
+    """The way that the arm may still move before any known clearance is in doubt.
 
     No joint uses up a clearance in m faster than its levers (m x n) in m per rad (or m) allow. Every joint's motion
     costs the greatest fraction that it may take of any clearance, so that their sum is never too low: one short sum in
@@ -51,7 +51,7 @@ class ClearanceCache:
             self._costs = [math.nan] * len(q)
 
     def covers(self, q: list[float], travel: list[float]) -> bool:
-        """Whether every clearance outlasts the motion to `q` (n,) and `travel` (n,) from there; never if one is NaN."""
+        """Return whether every clearance outlasts the motion to `q` (n,) and `travel` (n,) from there; never if NaN."""
         used = 0.0
         for cost, here, there, more in zip(self._costs, q, self._where, travel, strict=True):
             used += cost * (abs(here - there) + more)

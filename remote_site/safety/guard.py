@@ -71,11 +71,11 @@ class JointGuard:
         return stopping(sent, self.limits, self.dt)
 
     def is_stop(self, proposed: JointMotion, sent: JointMotion) -> bool:
-        """Whether a motion is the stop from the one before it."""
+        """Return whether a motion is the stop from the one before it."""
         return self.same(proposed, self.stop(sent))
 
     def same(self, one: JointMotion, other: JointMotion) -> bool:
-        """Whether two motions differ by rounding only."""
+        """Return whether two motions differ by rounding only."""
         return bool(
             np.abs(one.q - other.q).max() <= POSITION
             and np.abs(one.dq - other.dq).max() <= POSITION / self.dt
@@ -113,7 +113,7 @@ class JointGuard:
         return None
 
     def _excess(self, motion: JointMotion, joint: int) -> float:
-        """How far outside its limits a joint gets on its path to rest, rad; negative inside."""
+        """Compute how far outside its limits a joint gets on its path to rest, rad; negative inside."""
         low, high = self._extent(motion, joint)
         lower, upper = self._range[joint]
         excess: float = max(lower - low, high - upper)

@@ -1,4 +1,4 @@
-"""How long another process has been silent while this one listened."""
+"""Silence of another process while this one listened."""
 
 from dataclasses import dataclass
 
@@ -34,6 +34,6 @@ class Silence:
         return now_ns - last_ns - self._missed_ns
 
     def _counted_ns(self, looked_ns: int) -> int:
-        """How much of a pause since `looked_ns` counts as silence."""
+        """Compute how much of a pause since `looked_ns` counts as silence, ns."""
         settled_ns = SETTLED_PAUSES * self.pause_ns
         return 0 if self._paused_ns is None or looked_ns - self._paused_ns >= settled_ns else self.pause_ns

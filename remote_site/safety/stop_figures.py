@@ -1,4 +1,4 @@
-"""How long an arm's stops take, and how far they let the tool go, at most: from a speed that no joint exceeds; pure."""
+"""Times that an arm's stops take, and ways that the tool goes, at most: from a speed that no joint exceeds; pure."""
 
 import math
 from collections.abc import Sequence
@@ -43,7 +43,7 @@ def rising_stop(limits: JointLimits, levers: Sequence[float], speed: float) -> S
 
 
 def way(limits: JointLimits, levers: Sequence[float], speed: float, seconds: float) -> tuple[float, float]:
-    """How far the tool goes at a steady speed, m: by the joint that moves it furthest, and by all at once."""
+    """Compute how far the tool goes at a steady speed, m: by the joint that moves it furthest, and by all at once."""
     ways = [velocity * seconds * lever for (velocity, _, _), lever in zip(_bounds(limits, speed), levers, strict=True)]
     return max(ways), sum(ways)
 

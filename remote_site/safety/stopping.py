@@ -31,7 +31,7 @@ class JointStop(NamedTuple):
 
     @property
     def reverses(self) -> bool:
-        """Whether it reverses before it rests."""
+        """Return whether it reverses before it rests."""
         return self.v * self.jerk > 0.0
 
     @property

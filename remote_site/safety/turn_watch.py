@@ -1,4 +1,4 @@
-"""Whether a loop keeps up: one turn that comes late is a pause, and turns that always do are a fault of its own."""
+"""Watch over a loop's turns: one that comes late is a pause, and turns that always do are a fault of its own."""
 
 from common.clock import NS_PER_MS, NS_PER_S
 

@@ -1,4 +1,4 @@
-"""What a configuration leaves unguarded, so that it is said: fixtures, tool, links, pairs, sides of the box; pure."""
+"""Parts that a configuration leaves unguarded, to be said: fixtures, tool, links, pairs, sides of the box; pure."""
 
 from collections.abc import Sequence
 

@@ -1,1 +1,1 @@
-"""When the arm may follow, and whom: state machine, lease, faults; pure."""
+"""Session: when the arm may follow, and whom; state machine, lease, faults; pure."""

@@ -25,7 +25,7 @@ class Clutch:
         self._released_ns: int | None = None  # by the sender's clock, until the hand was calm
         self._calm: tuple[Accepted, Accepted] | None = None  # the first and the newest of a calm hand
 
-    def take(self, result: Accepted | Rejected, gap_ns: int) -> None:
+    def observe(self, result: Accepted | Rejected, gap_ns: int) -> None:
         """Take note of a judged sample; between two that are farther apart than `gap_ns` nobody saw the hand."""
         if result.sample is not None:
             self._see(result.sample)
@@ -37,7 +37,7 @@ class Clutch:
             self._calm = None
 
     def reason(self) -> Reason | None:
-        """Why the arm waits, None while it need not."""
+        """Say why the arm waits; None while it need not."""
         if self._latch.key is ClutchKey.DOWN:
             return HELD
         if self._latch.key is ClutchKey.UNSEEN:
@@ -67,7 +67,7 @@ class Clutch:
 
 
 def _moved(first: Accepted, newest: Accepted) -> bool:
-    """Whether the hand has moved, turned, opened or closed from one sample to another."""
+    """Return whether the hand has moved, turned, opened or closed from one sample to another."""
     if math.dist(first.position.tolist(), newest.position.tolist()) > CALM_M:
         return True
     if first.sample.hand_open != newest.sample.hand_open:

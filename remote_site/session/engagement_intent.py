@@ -1,4 +1,4 @@
-"""Whether the operator wants the arm to follow: automatic engagement, requests, a key or pedal held down; pure."""
+"""The operator's intent that the arm follows: automatic engagement, requests, a key or pedal held down; pure."""
 
 from common.clock import NS_PER_S
 from remote_site.reasons import Code, Reason, reason
@@ -10,7 +10,7 @@ INPUTS = {EngagementMode.HOLD_TO_RUN: "key", EngagementMode.PEDAL: "pedal"}
 
 
 class HoldToRun:
-    """What the operator holds down; after `end` only a new press counts: what has ended does not start by itself."""
+    """The input that the operator holds down; after `end` only a new press counts: nothing starts again by itself."""
 
     def __init__(self) -> None:
         self.held = False
@@ -29,7 +29,7 @@ class HoldToRun:
 
 
 class EngagementIntent:
-    """What asks for an engagement: `armed` for the automatic one, `requested`, or the `input` held down."""
+    """The sources of an engagement: `armed` for the automatic one, `requested`, or the `input` held down."""
 
     def __init__(self, mode: EngagementMode) -> None:
         self.armed = mode is EngagementMode.AUTOMATIC
@@ -64,7 +64,7 @@ class EngagementIntent:
         self.hold.end()
 
     def lacking(self) -> Reason | None:
-        """Why the input does not engage, None where none is needed or it is held."""
+        """Say why the input does not engage; None where none is needed or it is held."""
         if self.input is None or self.hold.held:
             return None
         return reason(Code.NOT_HELD if self.hold.armed else Code.LET_GO_FIRST, input=self.input)

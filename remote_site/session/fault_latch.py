@@ -60,7 +60,7 @@ class FaultLatch:
             session.fault(str(fault), now_ns)
 
     def _stopped_itself(self, now_ns: int) -> None:
-        """What barred the arm before would hide it; else the robot that takes no commands is shown as such."""
+        """Show that the robot stopped itself: what barred the arm before would hide it; else its own state shows it."""
         if self._session.barred:
             self._session.stop(ROBOT_ITSELF, now_ns)
         else:

@@ -8,7 +8,7 @@ MOST_NAMED = 3  # of those who have stopped the arm; more would not fit into the
 
 
 class Halts:
-    """What only a reset clears, in one `reason`, which names the newest who stopped the arm first.
+    """The halts that only a reset clears, in one `reason`, which names the newest who stopped the arm first.
 
     `newest_ns` is when the newest halt came, by the clock of the ticks: 0 before the first. It also rises with what
     needs no reset and ends an engagement all the same. Whoever resets or engages has to name it, so that nothing is
@@ -40,7 +40,7 @@ class Halts:
         self._stoppers, self._cause, self.reason = [], "", None
 
     def unseen(self, seen_ns: int, act: str, now: str) -> Reason | None:
-        """Why who was shown the halt at `seen_ns` may not `act`, None where that is the newest; `now` says what is."""
+        """Say why who was shown the halt at `seen_ns` may not `act`, None if it is the newest; `now` says what is."""
         if seen_ns == self.newest_ns:
             return None
         return reason(Code.UNSEEN, act=act, now=cut(now, _room(Code.UNSEEN, act=act, now="")))
@@ -61,5 +61,5 @@ class Halts:
 
 
 def _room(code: Code, **values: str) -> int:
-    """How many characters a message leaves to what fills a sentence."""
+    """Return how many characters a message leaves to what fills a sentence."""
     return MOST_TEXT - len(reason(code, **values).sentence)

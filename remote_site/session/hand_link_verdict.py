@@ -1,4 +1,4 @@
-"""What is wrong with the way of the hand samples: the greatest part of their age, loss, clocks, with the cure; pure."""
+"""Verdict on the way of the hand samples: the greatest part of their age, loss, clocks, with the cure; pure."""
 
 from collections.abc import Mapping
 

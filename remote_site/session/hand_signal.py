@@ -1,4 +1,4 @@
-"""Whether the hand samples may be followed: their age, how many came in a row, what is wrong with them; pure."""
+"""Signal of the hand: whether its samples may be followed, by age, number in a row, and what else is wrong; pure."""
 
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.reasons import Code, Reason, reason
@@ -21,8 +21,8 @@ class HandSignal:
     now has to be seen.
     """
 
-    def __init__(self, safety: SafetyConfig, age_limit: AgeLimit, engagement_frames: int) -> None:
-        self._age_limit = age_limit
+    def __init__(self, safety: SafetyConfig, limit: AgeLimit, engagement_frames: int) -> None:
+        self._limit = limit
         self._engagement_frames = engagement_frames
         self._proven_ns: int | None = None
         self._latch_ns = round(safety.t_latch_ms * NS_PER_MS)
@@ -35,14 +35,18 @@ class HandSignal:
     @property
     def soft_ns(self) -> int:
         """The age limit in force."""
-        return self._age_limit.soft_ns
+        return self._limit.soft_ns
 
     @property
     def frames(self) -> int:
-        """How many good samples in a row an engagement needs now."""
+        """The number of good samples in a row that an engagement needs now."""
         if self._proven_ns is None or self._born_ns is None or self._born_ns - self._proven_ns > AGAIN_NS:
             return self._engagement_frames
         return min(self._engagement_frames, AGAIN_FRAMES)
+
+    def limit_age(self, limit: AgeLimit) -> None:
+        """Take note of the age limit in force."""
+        self._limit = limit
 
     def restart(self) -> None:
         """Reset the count, as for a new local session."""
@@ -61,7 +65,7 @@ class HandSignal:
         """Reset the count, and drop what was wrong before, as for a new lease; its holder may be the same."""
         self.good, self._born_ns, self._trouble = 0, None, None
 
-    def take(self, result: Accepted | Rejected) -> None:
+    def observe(self, result: Accepted | Rejected) -> None:
         """Take note of a judged sample."""
         if isinstance(result, Accepted):
             gap_ns = result.born_ns - self._born_ns if self._born_ns is not None else 0
@@ -79,13 +83,13 @@ class HandSignal:
                 self._trouble = result.reason
 
     def too_old(self, now_ns: int) -> Reason | None:
-        """Why the engagement must end, None while the newest good sample is younger than T_latch."""
+        """Say why the engagement must end; None while the newest good sample is younger than T_latch."""
         if self._age_ns(now_ns) <= self._latch_ns:
             return None
         return self._trouble or self._stale(now_ns, self._latch_ns)
 
     def unfit(self, now_ns: int) -> Reason | None:
-        """Why the newest hand sample must not be followed now."""
+        """Say why the newest hand sample must not be followed now."""
         if self._trouble is not None:
             return self._trouble
         if self._born_ns is None:
@@ -93,18 +97,18 @@ class HandSignal:
         return self._stale(now_ns, self.soft_ns) if self._age_ns(now_ns) > self.soft_ns else None
 
     def unanswered(self, now_ns: int) -> Reason | None:
-        """Why no engagement can begin: the questions that its sender asks the remote site are not answered."""
+        """Say why no engagement can begin: the questions that its sender asks the remote site are not answered."""
         age_ns = now_ns - self._answered_ns
         if age_ns <= ANSWERED_NS:
             return None
         return reason(Code.OLD_OFFSET, age_ms=age_ns / NS_PER_MS, limit_ms=ANSWERED_NS / NS_PER_MS)
 
     def too_slow(self) -> Reason | None:
-        """Why no engagement can begin with samples that come so old or so rarely."""
-        return self._age_limit.too_slow() or self._age_limit.too_rare()
+        """Say why no engagement can begin with samples that come so old or so rarely."""
+        return self._limit.too_slow
 
     def collecting(self, needed: int) -> Reason | None:
-        """How many good samples are still missing, None if enough have come in a row."""
+        """Say how many good samples are still missing; None if enough have come in a row."""
         return reason(Code.COLLECTING, count=min(self.good, needed), needed=needed) if self.good < needed else None
 
     def _age_ns(self, now_ns: int) -> int:

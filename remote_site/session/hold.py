@@ -45,18 +45,18 @@ class Hold:
         self._of_age = False
 
     def too_long(self, now_ns: int, cause: Reason) -> Reason | None:
-        """Why the engagement ends, None while it need not."""
+        """Say why the engagement ends; None while it need not."""
         if now_ns - self.began_ns >= self._longest_ns:
             return reason(Code.HELD_TOO_LONG, limit_ms=self._longest_ns / NS_PER_MS, cause=cause.sentence)
         return None
 
     def unearned(self, now_ns: int) -> Reason | None:
-        """Why the arm waits although nothing is wrong now: after another hold shortly before it waits for longer."""
+        """Say why the arm waits although nothing is wrong now: after a hold shortly before it, it waits for longer."""
         held_ns = now_ns - self.began_ns
         if not self._repeated or held_ns >= LEAST_NS:
             return None
         return reason(Code.UNSTEADY, held_ms=held_ns / NS_PER_MS, least_ms=LEAST_NS / NS_PER_MS)
 
     def short(self, now_ns: int) -> bool:
-        """Whether the arm may go on to the same origins: only samples came late, and not for long."""
+        """Return whether the arm may go on to the same origins: only samples came late, and not for long."""
         return self._of_age and now_ns - self.began_ns <= SHORT_NS

@@ -53,7 +53,7 @@ class LeaseServer:
         return self._lease if self._lease is not None and now_ns < self._lease.expires_ns else None
 
     def asker(self, now_ns: int) -> Holder | None:
-        """Who was refused in the last seconds because another holds the lease, and waits for consent."""
+        """Return who was refused in the last seconds because another holds the lease, and waits for consent."""
         return self._asker if self.current(now_ns) is not None and now_ns < self._asked_until_ns else None
 
     def status(self, now_ns: int) -> LeaseStatus:

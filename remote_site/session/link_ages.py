@@ -1,4 +1,4 @@
-"""How old hand samples become before the next one comes: what link and tracking need of the age limit; pure."""
+"""Ages that hand samples reach before the next one comes: what link and tracking need of the age limit; pure."""
 
 from collections import deque
 from statistics import median

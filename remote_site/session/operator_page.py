@@ -1,4 +1,4 @@
-"""What the operator's page has set under the lease in force, its clutch, and whether it still reports; pure."""
+"""The operator's page: what it has set under the lease in force, its clutch, and whether it still reports; pure."""
 
 from common.messages.hand import Intent, OperatorSettings
 from remote_site.session.clutch import Clutch

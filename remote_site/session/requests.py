@@ -1,4 +1,4 @@
-"""What operators and maintenance ask of the session: stop, reset, engage, disengage; pure."""
+"""Requests of operators and maintenance to the session: stop, reset, engage, disengage; pure."""
 
 from dataclasses import dataclass
 
@@ -58,7 +58,7 @@ class RequestHandler:
 
 
 def _refusal(request: SessionRequest, lease: Lease | None) -> Reason | None:
-    """Why this request is not carried out; None for the lease's holder, and for a reset by maintenance."""
+    """Say why this request is not carried out; None for the lease's holder, and for a reset by maintenance."""
     if request.maintenance:
         return None if request.action is EngagementAction.RESET else reason(Code.OPERATORS_ONLY)
     if lease is None:

@@ -26,7 +26,7 @@ FOLLOWS = reason(Code.OK)
 
 
 class Action(Enum):
-    """What the caller does this tick."""
+    """The action that the caller takes in this tick."""
 
     CAPTURE = auto()  # take the newest accepted sample and the commanded tool pose as origins, then follow
     RESUME = auto()  # after a short hold: go on to the same origins if the hand is near, else as CAPTURE
@@ -53,7 +53,7 @@ class Robot(NamedTuple):
 
     @property
     def reason(self) -> str:
-        """Why it takes no commands, empty while it does."""
+        """The reason why it takes no commands, empty while it does."""
         return str(self.fault or "")
 
     @property
@@ -87,15 +87,15 @@ class Answer:
 class Session:
     """DISENGAGED -> ENGAGED <-> HOLDING -> DISENGAGED, FAULT above all; time comes in as nanoseconds of one clock.
 
-    Feed every validated sample to `sample`, the lease in force to `authorise`, and call `tick` once per control tick.
-    What a loss ended never starts again by itself: automatic engagement happens once, and shortly after the start; any
-    other end of an engagement, a reset or a new local session disarms it, and a key or pedal has to be released and
-    pressed again.
+    Feed every validated sample to `sample`, the lease in force to `authorise`, the age limit in force to `limit_age`,
+    and call `tick` once per control tick. What a loss ended never starts again by itself: automatic engagement happens
+    once, and shortly after the start; any other end of an engagement, a reset or a new local session disarms it, and a
+    key or pedal has to be released and pressed again.
     """
 
-    def __init__(self, safety: SafetyConfig, engagement: EngagementConfig, age_limit: AgeLimit) -> None:
+    def __init__(self, safety: SafetyConfig, engagement: EngagementConfig, limit: AgeLimit) -> None:
         self._engagement = engagement
-        self._hand = HandSignal(safety, age_limit, engagement.frames)
+        self._hand = HandSignal(safety, limit, engagement.frames)
         self._intent = EngagementIntent(engagement.mode)
         self.page = OperatorPage()
         self._hold = Hold(safety)
@@ -109,7 +109,7 @@ class Session:
 
     @property
     def held(self) -> bool:
-        """Whether the operator holds down the key or pedal, as far as that counts."""
+        """Return whether the operator holds down the key or pedal, as far as that counts."""
         return self._intent.hold.held
 
     @property
@@ -118,7 +118,7 @@ class Session:
         return self.halts.reason is not None
 
     def unseen(self, seen_ns: int, act: str) -> Reason | None:
-        """Why who was shown the halt at `seen_ns` may not `act`, None where no other has come since."""
+        """Say why who was shown the halt at `seen_ns` may not `act`; None where no other has come since."""
         return self.halts.unseen(seen_ns, act, self._reason.sentence)
 
     def authorise(self, lease: Lease | None) -> None:
@@ -136,6 +136,10 @@ class Session:
         if self.state in FOLLOWING:
             self._leave(_latched(reason(Code.LEASE_LOST, holder=former.holder)))
 
+    def limit_age(self, limit: AgeLimit) -> None:
+        """Take note of the age limit in force."""
+        self._hand.limit_age(limit)
+
     def sample(self, result: Accepted | Rejected) -> None:
         """Take note of a judged sample."""
         if result.new_session:
@@ -144,8 +148,8 @@ class Session:
             self._leave(reason(Code.NEW_SESSION, holder=self._holder or "another site"))
         if result.sample is not None:
             self._see_intent(result.sample.intent)
-        self.page.clutch.take(result, self._hand.soft_ns)
-        self._hand.take(result)
+        self.page.clutch.observe(result, self._hand.soft_ns)
+        self._hand.observe(result)
         if isinstance(result, Rejected):
             self._hold.note(result.reason)
         if self._page_silence() is not None:
@@ -164,7 +168,7 @@ class Session:
         return Answer(True, reason(Code.OK))
 
     def readiness(self, now_ns: int, robot: Robot) -> Answer:
-        """Whether the arm follows or could be engaged now, apart from the operator's intent; if not, why."""
+        """Tell whether the arm follows or could be engaged now, apart from the operator's intent; if not, why."""
         if self.state in FOLLOWING:
             return Answer(True, self._reason)
         missing = self.halts.reason or self._unready(now_ns, robot)
@@ -246,7 +250,7 @@ class Session:
         return self._decide(Action.STOP)
 
     def _ended(self, now_ns: int, robot: Robot) -> Reason | None:
-        """What ends an engagement for good; a hold ends it too when it lasts, whatever trickles in."""
+        """Say what ends an engagement for good; a hold ends it too when it lasts, whatever trickles in."""
         if not robot.ready:
             return reason(Code.ROBOT_NOT_READY, reason=robot.reason)
         if (too_old := self._hand.too_old(now_ns)) is not None:
@@ -282,7 +286,7 @@ class Session:
         return replace(follows, held_since_ns=self._hold.began_ns, clutched=self._hold.clutched)
 
     def _missing(self, now_ns: int, robot: Robot) -> Reason | None:
-        """What an engagement still lacks, of readiness or of the operator's intent."""
+        """Say what an engagement still lacks, of readiness or of the operator's intent."""
         return self._unready(now_ns, robot) or self._intent.lacking()
 
     def _unready(self, now_ns: int, robot: Robot) -> Reason | None:
@@ -301,12 +305,12 @@ class Session:
         return unfit or self._hand.collecting(self._hand.frames)
 
     def _slow(self) -> Reason | None:
-        """Why control is too slow to lead an arm, None while it keeps up."""
+        """Say why control is too slow to lead an arm; None while it keeps up."""
         took_ms, limit_ms = self._ticks.slow_ns / NS_PER_MS, LONGEST_TURN_NS / NS_PER_MS
         return reason(Code.SLOW, who="control", took_ms=took_ms, limit_ms=limit_ms) if took_ms else None
 
     def _page_silence(self) -> Reason | None:
-        """Why the arm waits for the operator's page; with hold-to-run or a pedal its silence is a release instead."""
+        """Say why the arm waits for the operator's page; with hold-to-run or a pedal silence is a release instead."""
         return reason(Code.PAGE_SILENT) if self.page.silent and self._intent.input is None else None
 
     def _bar(self, why: Reason) -> Reason:

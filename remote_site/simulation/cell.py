@@ -13,9 +13,8 @@ from common.geometry import Array, quaternion_from_rotation
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.meshes import check_meshes, place_meshes
 from remote_site.kinematics.model import IMPORT
-from remote_site.simulation.appearance.dressing import dress
-from remote_site.simulation.appearance.surfaces import PaintedSurface
 from remote_site.simulation.config import BLOCK, GRIP, ArmConfig, CellConfig, MarkerConfig
+from remote_site.simulation.dressing import PaintedSurface, add_pictured_rectangles, dress
 from remote_site.simulation.scenery import (
     PAPER,
     THINGS,
@@ -31,7 +30,6 @@ from remote_site.simulation.scenery import (
 
 MESH_WORDS, INERTIA_WORD = ("decoder", "opening file", "mesh"), "inertia"
 MODULE_PX = 24  # of the texture: the renderer averages it as a camera does
-LIT = 1.0  # emission that outshines every light: paper as white from everywhere
 PLATE_M = 0.001
 
 
@@ -41,36 +39,22 @@ def add_marker(spec: mujoco.MjSpec, number: int, config: MarkerConfig) -> None:
     name, pose = f"marker_{number}", config.parent_T_marker
     printed = config.family.printed(config.marker, MODULE_PX)
     half = config.size_m / 2 * len(printed) / (len(printed) - 2 * MODULE_PX)
-    _add_material(spec, name, np.repeat(printed[:, :, None], 3, axis=2))
-    mesh = spec.add_mesh(name=name, inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL)
     square = np.array([(-half, -half, 0.0), (half, -half, 0.0), (half, half, 0.0), (-half, half, 0.0)])
-    mesh.uservert = (square @ pose[:3, :3].T + pose[:3, 3]).ravel().tolist()
-    mesh.usertexcoord = [0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
-    mesh.userface = [0, 1, 2, 0, 2, 3]
-    _untouchable(body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, material=name))
-    _untouchable(_plate(body, pose, half))
+    corners = square @ pose[:3, :3].T + pose[:3, 3]
+    texels = np.array([(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)])
+    add_pictured_rectangles(spec, body, name, np.repeat(printed[:, :, None], 3, axis=2), corners, texels)
+    _add_plate(body, pose, half)
 
 
-def _plate(body: mujoco.MjsBody, pose: Array, half: float) -> mujoco.MjsGeom:
+def _add_plate(body: mujoco.MjsBody, pose: Array, half: float) -> None:
     """The paper behind the print."""
     *imaginary, real = quaternion_from_rotation(pose[:3, :3])
     centre = pose[:3, 3] - PLATE_M * pose[:3, 2]
     size = [half, half, PLATE_M / 2]
-    return body.add_geom(
+    plate = body.add_geom(
         type=mujoco.mjtGeom.mjGEOM_BOX, size=size, pos=centre.tolist(), quat=[real, *imaginary], rgba=PAPER
     )
-
-
-def _untouchable(geom: mujoco.MjsGeom) -> None:
-    geom.contype, geom.conaffinity, geom.mass = 0, 0, 0.0
-
-
-def _add_material(spec: mujoco.MjSpec, name: str, picture: np.ndarray) -> None:
-    height, width = picture.shape[:2]
-    texture = spec.add_texture(name=name, type=mujoco.mjtTexture.mjTEXTURE_2D, height=height, width=width, nchannel=3)
-    texture.data = picture.tobytes()
-    material = spec.add_material(name=name, emission=LIT, rgba=[1.0, 1.0, 1.0, 1.0])
-    material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+    plate.contype, plate.conaffinity, plate.mass = 0, 0, 0.0
 
 
 @dataclass(frozen=True, slots=True)

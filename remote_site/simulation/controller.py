@@ -20,7 +20,7 @@ from remote_site.simulation.memory import GRIPPER_COMMANDS
 
 
 class ControllerFault(IntEnum):
-    """Why the controller takes no setpoints."""
+    """The reasons why the controller takes no setpoints."""
 
     NONE = 0
     WATCHDOG = 1
@@ -31,7 +31,7 @@ class ControllerFault(IntEnum):
 
 @dataclass(slots=True)
 class SetpointWatch:
-    """Which setpoint was obeyed last and when, and the watchdog of their arrival; `obeyed_ns` is 0 before the first."""
+    """The setpoint obeyed last, its time, and the watchdog of their arrival; `obeyed_ns` is 0 before the first."""
 
     timeout_ns: int
     seq: int = -1
@@ -48,7 +48,7 @@ class SetpointWatch:
         self.obeyed_ns = now_ns
 
     def expired(self, now_ns: int) -> bool:
-        """Whether setpoints have ceased; to be asked at every tick."""
+        """Return whether setpoints have ceased; to be asked at every tick."""
         return self._silence.of(self.obeyed_ns, now_ns) > self.timeout_ns and self.obeyed_ns != 0
 
     def age_s(self, now_ns: int) -> float:
@@ -84,7 +84,7 @@ class SimulatedController:
         return not self.active and self._stop_from is None
 
     def asked(self, command: Record) -> bool:
-        """Whether the driver asks for an activation that can now be given."""
+        """Return whether the driver asks for an activation that can now be given."""
         return self.resting and int(command["activation"]) != self.activation
 
     def tick(self, command: Record, measured_q: Array, now_ns: int, dt: float) -> JointMotion:

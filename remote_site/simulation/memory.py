@@ -1,4 +1,4 @@
-"""What the simulated cell shares with the driver and the video: setup, command, reading, snapshot."""
+"""Memory of the simulated cell, the driver and the video: setup, command, reading, snapshot."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -45,7 +45,7 @@ def command_dtype(joints: int) -> np.dtype[np.void]:
 
 
 def reading_dtype(joints: int) -> np.dtype[np.void]:
-    """What the robot controller measured at `t_ns`; `obeyed_ns` is when it took `obeyed_seq`, 0 before the first.
+    """Return the type of a reading at `t_ns`; `obeyed_ns` is when the controller took `obeyed_seq`, 0 before the first.
 
     `fault` is a `ControllerFault`; `resting` is whether no motion is under way.
     """

@@ -1,4 +1,4 @@
-"""How far a hand sample's covariances slow the arm: by the certainty of the points that the arm copies; pure."""
+"""Certainty of a hand sample by its covariances, of the points that the arm copies: how far it slows the arm; pure."""
 
 import math
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ def certainty_of(covariance: PointCovariances | None, point: HandPoint, config: 
 
 
 def elbow_is_certain(covariance: PointCovariances | None, config: CertaintyConfig) -> bool:
-    """Whether the elbow may be copied; poorer than the arm may follow, it is as good as not seen."""
+    """Return whether the elbow may be copied; poorer than the arm may follow, it is as good as not seen."""
     return all(_sigma_mm(covariance, point) <= config.position_poor_mm for point in ELBOW_POINTS)
 
 

@@ -1,4 +1,4 @@
-"""What goes into one control cycle and what comes out of it: frozen records, so that a cycle can be replayed."""
+"""Records of what goes into one control cycle and what comes out of it: frozen, so that a cycle can be replayed."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -102,7 +102,7 @@ class Snapshot(NamedTuple):
 
 
 class Command(NamedTuple):
-    """What the driver is to do: be activated at rest at `activate_at` (n,) rad, or else follow `motion`.
+    """The command to the driver: be activated at rest at `activate_at` (n,) rad, or else follow `motion`.
 
     Only a robot that takes commands is given the motion; the guard has passed it in any case. The `snapshot` describes
     the pipeline after the cycle.

@@ -72,7 +72,7 @@ class FollowedOrientation:
         return NO_LAG if self._followed is self._shown else self._shown.T @ self._followed
 
     def _aim(self, sample: Accepted, followed: Array, elapsed_s: float, spare: float) -> Array:
-        """Where to turn (3 x 3): with the shown hand, and less behind it; or back, while none is shown."""
+        """Compute where to turn (3 x 3): with the shown hand, and less behind it; or back, while none is shown."""
         shown = sample.operator_R_hand
         if shown is None:
             self._take_back(sample.born_ns)
@@ -82,7 +82,7 @@ class FollowedOrientation:
         return shown if lag is NO_LAG else shown @ lag
 
     def _lag(self, shown: Array, followed: Array) -> Array:
-        """What the tool lacks (3 x 3); after withheld samples it has kept its own, wherever the hand went."""
+        """Compute what the tool lacks (3 x 3); after withheld samples it has kept its own, wherever the hand went."""
         lag = self.hand_R_followed
         return shown.T @ followed if lag is None else lag
 

@@ -43,7 +43,7 @@ class GripperToggles:
         self.command = GripperCommand.KEEP
 
     def next(self, gripper: GripperState | None) -> GripperCommand:
-        """What a toggle would command now, of a gripper in this state; None while it is not measured."""
+        """Return what a toggle would command now, of a gripper in this state, None while it is not measured."""
         if gripper is not None and gripper.commanded is self.command and gripper.status in BY_STATUS:
             return BY_STATUS[gripper.status]
         return GripperCommand.CLOSED if self._toggled is None else OPPOSITE[self._toggled]

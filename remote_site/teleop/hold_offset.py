@@ -1,4 +1,4 @@
-"""What the target lacks of the hand's motion after a short hold: kept as an offset, and made up slowly; pure."""
+"""Offset that the target lacks of the hand's motion after a short hold: kept, and made up slowly; pure."""
 
 import math
 

@@ -14,7 +14,8 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.motion.planner import MotionPlanner
-from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
+from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.safety.clearance import ClearanceCheck, Workspace
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.collision_avoidance import CollisionAvoidance
@@ -39,9 +40,8 @@ class TeleopPipeline:
 
     def __init__(self, config: PipelineConfig, model: ArmModel, limits: JointLimits) -> None:
         box = Workspace(np.array(config.safety.workspace_min_m), np.array(config.safety.workspace_max_m))
-        self._age_limit = AgeLimit(config.safety)
-        self._session = Session(config.safety, config.engagement, self._age_limit)
-        self._samples = SampleReceiver(config, self._session, self._age_limit)
+        self._samples = SampleReceiver(config.safety, config.mapping.point)
+        self._session = Session(config.safety, config.engagement, self._samples.age_limit)
         self._faults = FaultLatch(self._session)
         self._requests = RequestHandler(self._session)
         self._target = ToolTarget(config.mapping, config.control, box, model, config.robot.start)
@@ -57,12 +57,10 @@ class TeleopPipeline:
         resting = not robot.ready and robot.sent.resting  # it matters for a fault only
         activate = self._faults.note(robot.fault, now_ns, resting=resting)
         sent = JointMotion.at_rest(robot.q) if activate else robot.sent
+        self._session.authorise(lease)
         for named in given.samples:
-            result = self._samples.receive(named, lease, now_ns)
-            if result.sample is not None:
-                self._assist.hear(result.sample.intent, now_ns)
-            if isinstance(result, Rejected) and result.sample is not None:
-                self._gripper.interrupt()
+            self._take(self._samples.receive(named, lease, now_ns), now_ns)
+        self._session.limit_age(self._samples.age_limit)
         self._assist.see(given.markers)
         self._assist.tick(now_ns)
         outcomes = []
@@ -70,19 +68,31 @@ class TeleopPipeline:
             outcome = self._requests.handle(request, lease, given.robot_after(sent), now_ns)
             sent = JointMotion.at_rest(robot.q) if outcome.activate else sent
             outcomes.append(outcome)
-        self._session.authorise(lease)
-        self._age_limit.settle(self._planner.pace(sent))
+        limit = self._samples.settle(self._planner.pace(sent))
+        self._session.limit_age(limit)
         decision = self._session.tick(now_ns, given.robot_after(sent))
-        motion = self._plan(decision, robot, sent, now_ns)
+        motion = self._plan(decision, limit, robot, sent, now_ns)
         activate = activate or any(outcome.activate for outcome in outcomes)
         if activate or self._session.barred:
             self._gripper.keep()
         if activate:
             self._faults.activated()
-        snapshot = self._snapshot(given, decision, outcomes, motion if robot.ready else sent)
+        snapshot = self._snapshot(given, decision, limit, outcomes, motion if robot.ready else sent)
         return Command(motion, self._gripper.command, sent.q if activate else None, snapshot)
 
-    def _plan(self, decision: Decision, robot: RobotObservation, sent: JointMotion, now_ns: int) -> JointMotion:
+    def _take(self, result: Accepted | Rejected | None, now_ns: int) -> None:
+        """Tell session, assist and gripper of a judged sample, None where it was not judged."""
+        if result is None:
+            return
+        self._session.sample(result)
+        if result.sample is not None:
+            self._assist.observe_intent(result.sample.intent, now_ns)
+        if isinstance(result, Rejected) and result.sample is not None:
+            self._gripper.interrupt()
+
+    def _plan(
+        self, decision: Decision, limit: AgeLimit, robot: RobotObservation, sent: JointMotion, now_ns: int
+    ) -> JointMotion:
         """The next motion: into the stop, or from new origins, or towards the newest sample."""
         latest = self._samples.latest
         if decision.action is not Action.FOLLOW:
@@ -91,12 +101,13 @@ class TeleopPipeline:
         if decision.action is Action.STOP or latest is None:
             return self._planner.stop(sent)
         aimed, settings = False, self._target.bounded(self._session.page.settings)
-        speed = self._age_limit.speed_scale * latest.speed
+        speed = limit.speed_scale * latest.speed
         if decision.action in (Action.CAPTURE, Action.RESUME):
             self._begin(latest, settings, decision, sent)
         elif latest is not self._aimed:
             self._gripper.follow(latest.sample, settings.revision, robot.gripper)
-            self._planner.aim(replace(self._tool_sample(latest, settings, robot, now_ns), speed=speed))
+            target = self._tool_sample(latest, settings, robot, now_ns)
+            self._planner.aim(replace(target, stretch=limit.stretch, speed=speed))
             aimed = True
         self._aimed = latest
         return self._planner.follow(now_ns, sent, speed, aimed=aimed)
@@ -105,17 +116,17 @@ class TeleopPipeline:
         self, latest: Accepted, settings: OperatorSettings, robot: RobotObservation, now_ns: int
     ) -> ToolSample:
         """The tool's next target: led by the assist while the operator asks for it, else by the hand."""
-        target, stretch, q, q_sent = self._target, self._age_limit.stretch, robot.q, robot.sent.q
+        target, q, q_sent = self._target, robot.q, robot.sent.q
         can_grasp = self._gripper.next(robot.gripper) is not GripperCommand.OPEN
         led = self._assist.step(
             latest.position, latest.sample.capture_ns, target.base_T_tool, target.measured(q), now_ns, can_grasp
         )
         released, self._led = self._led and led is None, led is not None
         if led is not None:
-            return target.lead(led, latest, q_sent, q, now_ns, stretch)
+            return target.lead(led, latest, q_sent, q, now_ns)
         if released:
             target.rebase(latest, settings)
-        return target.aim(latest, settings, q_sent, q, now_ns, stretch)
+        return target.aim(latest, settings, q_sent, q, now_ns)
 
     def _begin(self, latest: Accepted, settings: OperatorSettings, decision: Decision, sent: JointMotion) -> None:
         """Follow from rest: from the origins of before a short hold, or from new ones."""
@@ -126,13 +137,15 @@ class TeleopPipeline:
         self._planner.reset(latest.born_ns, sent.q)
         self._gripper.rebase(latest.sample, settings.revision)
 
-    def _snapshot(self, given: CycleInput, decision: Decision, outcomes: list[Outcome], sent: JointMotion) -> Snapshot:
+    def _snapshot(
+        self, given: CycleInput, decision: Decision, limit: AgeLimit, outcomes: list[Outcome], sent: JointMotion
+    ) -> Snapshot:
         following = decision.action is not Action.STOP
         session, target, now_ns = self._session, self._target, given.now_ns
         return Snapshot(
             now_ns=now_ns,
-            age_limit_ms=self._age_limit.soft_ns / NS_PER_MS,
-            speed_scale=self._age_limit.speed_scale,
+            age_limit_ms=limit.soft_ns / NS_PER_MS,
+            speed_scale=limit.speed_scale,
             state=decision.state,
             reason=(self._planner.hindrance if following else None) or decision.reason,
             halted_ns=session.halts.newest_ns,

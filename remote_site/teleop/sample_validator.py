@@ -12,7 +12,6 @@ from common.mapping.shown_hand import shown_orientation, shown_position
 from common.messages.hand import ClockSync, HandArm, HandPoint, TrackingStatus
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
 from remote_site.session.samples import Accepted, Rejected
 from remote_site.teleop.certainty import certainty_of, elbow_is_certain
 from remote_site.teleop.turn_certainty import FREE, turn_speeds
@@ -55,9 +54,8 @@ class SampleValidator:
     Every sample here was sent under the lease in force, so none is of a former session or another site.
     """
 
-    def __init__(self, config: SafetyConfig, age_limit: AgeLimit, point: HandPoint = HandPoint.WRIST) -> None:
+    def __init__(self, config: SafetyConfig, point: HandPoint = HandPoint.WRIST) -> None:
         self._config, self._point = config, point
-        self._age_limit = age_limit
         self._latch_ns = round(config.t_latch_ms * NS_PER_MS)
         self.rejected: Counter[Code] = Counter()
         self.clock: ClockSync | None = None
@@ -66,17 +64,21 @@ class SampleValidator:
         self._jumps = 0
         self._gate = OrientationGate(config)
 
-    def accept(self, sample: HandArm, now_ns: int) -> Accepted | Rejected:
-        """Accepted, or Rejected with the first rule that was broken; only samples with a valid time are remembered."""
+    def accept(self, sample: HandArm, soft_ns: int, now_ns: int) -> Accepted | Rejected:
+        """Accepted, or Rejected with the first rule that was broken; only samples with a valid time are remembered.
+
+        It may be `soft_ns` old.
+        """
         offset = clock_offset(sample.clock, now_ns)
         if isinstance(offset, Reason):
             return self.refuse(offset)
         self.clock = sample.clock
-        broken = self._time(sample, now_ns, offset)
+        age_ns = offset.age_ns(sample.capture_ns, now_ns)
+        broken = self._time(sample, age_ns, soft_ns)
         if broken is not None:
             return self.refuse(broken)
         new_session = self._remember(sample)
-        judged = self._judge(sample, now_ns - offset.age_ns(sample.capture_ns, now_ns), new_session)
+        judged = self._judge(sample, now_ns - age_ns, new_session)
         if isinstance(judged, Rejected):
             return replace(judged, new_session=new_session, sample=sample)
         self._jumps, self._last = 0, judged
@@ -111,17 +113,15 @@ class SampleValidator:
         limit_mm = self._config.certainty.position_poor_mm
         return reason(Code.UNCERTAIN, point=self._point, sigma_mm=sigma_mm, limit_mm=limit_mm)
 
-    def _time(self, sample: HandArm, now_ns: int, offset: ClockOffset) -> Reason | None:
-        age_ns = offset.age_ns(sample.capture_ns, now_ns)
+    def _time(self, sample: HandArm, age_ns: int, soft_ns: int) -> Reason | None:
         if age_ns < 0:
             return reason(Code.FUTURE, ahead_ms=-age_ns / NS_PER_MS)
-        self._age_limit.see(sample, now_ns - age_ns, now_ns)
         # Whatever its number: one that was damaged does not make all samples after it old.
         newest = self._newest
         if newest is not None and sample.session == newest.session and sample.capture_ns <= newest.capture_ns:
             return _repeated(sample, newest)  # whatever its age: a copy that came last says nothing about the newest
-        if age_ns > (limit_ns := self._age_limit.soft_ns):
-            return reason(Code.STALE, age_ms=age_ns / NS_PER_MS, limit_ms=limit_ns / NS_PER_MS)
+        if age_ns > soft_ns:
+            return reason(Code.STALE, age_ms=age_ns / NS_PER_MS, limit_ms=soft_ns / NS_PER_MS)
         return None
 
     def _remember(self, sample: HandArm) -> bool:

@@ -9,7 +9,7 @@ from common.messages.robot import Engagement, MappingReference, Pose
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.leash import Leash
-from remote_site.motion.target_tracker import ToolSample
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.clearance import Workspace
 from remote_site.session.samples import Accepted
@@ -57,7 +57,7 @@ class TargetTime:
 
 
 class ToolTarget:
-    """Where the tool should be: `base_T_tool` (4 x 4), relative to both origins of the `engagement`.
+    """The tool's target: `base_T_tool` (4 x 4), relative to both origins of the `engagement`.
 
     `reference` is what the next targets count from; None where that does not outlast a hold.
     """
@@ -121,13 +121,7 @@ class ToolTarget:
         return True
 
     def aim(
-        self,
-        sample: Accepted,
-        settings: OperatorSettings,
-        q_sent: Array,
-        q_measured: Array,
-        now_ns: int,
-        stretch: float = 1.0,
+        self, sample: Accepted, settings: OperatorSettings, q_sent: Array, q_measured: Array, now_ns: int
     ) -> ToolSample:
         """The target for the newest sample, inside the workspace box and within the leash from the arm (n,) rad.
 
@@ -148,24 +142,16 @@ class ToolTarget:
         self.reference = self._mapping.reference(sample.sample, self._orientation.hand_R_followed)
         self._settings = settings
         spare = max(self._offset.spare + self._orientation.spare - 1.0, 0.0)
-        return self._bounded_sample(target, sent, self._model.forward(q_measured), sample, now_ns, stretch, spare)
+        return self._bounded_sample(target, sent, self._model.forward(q_measured), sample, now_ns, spare)
 
-    def lead(
-        self,
-        base_T_led: Array,
-        sample: Accepted,
-        q_sent: Array,
-        q_measured: Array,
-        now_ns: int,
-        stretch: float = 1.0,
-    ) -> ToolSample:
+    def lead(self, base_T_led: Array, sample: Accepted, q_sent: Array, q_measured: Array, now_ns: int) -> ToolSample:
         """The same for a target (4 x 4) that the hand does not choose; what it counts from is lost until `rebase`."""
         self.reference = None
         sent, measured = self._model.forward(q_sent), self._model.forward(q_measured)
-        return self._bounded_sample(base_T_led.copy(), sent, measured, sample, now_ns, stretch, LED_SPARE)
+        return self._bounded_sample(base_T_led.copy(), sent, measured, sample, now_ns, LED_SPARE)
 
     def rebase(self, sample: Accepted, settings: OperatorSettings) -> None:
-        """Take both origins anew, the tool's at its present target: the target does not move by it."""
+        """Take both origins again, the tool's at its present target: the target does not move by it."""
         self._mapping.steer(settings, sample.position, sample.operator_R_hand, self.base_T_tool)
         self._mapping.engage(sample.position, sample.operator_R_hand, self.base_T_tool)
         self._offset.clear()
@@ -173,14 +159,7 @@ class ToolTarget:
         self._settings = settings
 
     def _bounded_sample(
-        self,
-        target: Array,
-        sent: Array,
-        measured: Array,
-        sample: Accepted,
-        now_ns: int,
-        stretch: float,
-        spare: float,
+        self, target: Array, sent: Array, measured: Array, sample: Accepted, now_ns: int, spare: float
     ) -> ToolSample:
         """A target (4 x 4), which it may change, brought into the workspace box and within the leash."""
         boxed = self._boxed(target[:3, 3])
@@ -189,10 +168,10 @@ class ToolTarget:
         self._followed = sample
         elbow = self._mapping.elbow(sample.sample.wrist, sample.elbow)
         t_ns = self._time.of(sample, now_ns)
-        return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, stretch, spare, boxed=boxed)
+        return ToolSample(t_ns, now_ns, self.base_T_tool, elbow, leashed, spare=spare, boxed=boxed)
 
     def _boxed(self, wanted: Array) -> Reason | None:
-        """Why the box holds a target at a position (3,) that the hand asks for."""
+        """Say why the box holds a target at a position (3,) that the hand asks for."""
         excess_m = self._workspace.excess(wanted)
         return reason(Code.OUTSIDE_BOX, excess_mm=1e3 * excess_m) if excess_m > FELT_EXCESS_M else None
 
@@ -203,7 +182,7 @@ class ToolTarget:
         return min(elapsed_ns / NS_PER_S, LONGEST_STEP_S)
 
     def _strayed(self, sample: Accepted, since_ns: int) -> bool:
-        """Whether the hand went too far from `since_ns` to this sample, if evenly since the last one followed."""
+        """Return whether the hand went too far from `since_ns` to this sample, if evenly since the last followed."""
         last = self._followed
         if last is None or sample.born_ns <= last.born_ns:
             return True
@@ -215,7 +194,7 @@ class ToolTarget:
         return fraction * way > MOST_M or fraction * turned > MOST_RAD
 
     def _shift(self, sample: Accepted, base_T_tool: Array, engagements: int) -> tuple[float, float]:
-        """How far new origins move the target within an engagement, mm and deg."""
+        """Compute how far new origins move the target within an engagement, mm and deg."""
         if self.engagement is None or self.engagement.number != engagements:
             return 0.0, 0.0
         former = self._mapping.target(sample.position, sample.operator_R_hand)

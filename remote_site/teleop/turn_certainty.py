@@ -1,4 +1,4 @@
-"""How fast the hand may turn the tool about each of the hand's axes, by what its points' covariances say; pure."""
+"""Speed at which the hand may turn the tool about each of the hand's axes, by its points' covariances; pure."""
 
 import math
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from common.cameras.camera import Image
 from common.geometry import Array
-from remote_site.simulation.appearance.surfaces import PaintedSurface, Rectangle
+from remote_site.simulation.dressing import PaintedSurface, Rectangle
 
 NEAR_M = 0.02
 SMALLEST_PX = 32

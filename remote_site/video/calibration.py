@@ -1,4 +1,4 @@
-"""Which views of the cell are calibrated, their projections, and whether their pictures fit these."""
+"""Calibration of the cell's views: which have one, their projections, and whether their pictures fit these."""
 
 import numpy as np
 import structlog
@@ -43,7 +43,7 @@ class FittingPictures:
         self._calibrated = {camera.name for camera in config.cameras if camera.projection is not None}
 
     def fits(self, view: str, frame: Frame) -> bool:
-        """Whether the picture has the size that its view's calibration is for; says once where it has not."""
+        """Return whether the picture has the size that its view's calibration is for; log once where it has not."""
         size, seen = self._sizes_px[view], frame.image.shape[1::-1]
         if seen == size:
             return True

@@ -83,7 +83,7 @@ class CellRenderer:
     """Renders every view of a dressed cell on one EGL context; made and used by one process, after its fork.
 
     MuJoCo draws what moves, and the table as a mask; behind them comes what stands still. For a fixed camera that is
-    drawn once, finer than the view, and kept, and only the part is drawn anew in which something can be that moves.
+    drawn once, finer than the view, and kept, and only the part is drawn again in which something can be that moves.
     """
 
     def __init__(self, cell: Cell, width: int, height: int) -> None:

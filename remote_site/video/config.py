@@ -5,7 +5,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta
 
-from common.cameras.sources import Source
+from common.cameras.camera import Source
 from common.messages.base import Name
 from common.text import name_mistake
 from remote_site.simulation.config import SIMULATED

@@ -12,7 +12,7 @@ NEVER = -1
 
 
 class PictureKeeper(Protocol):
-    """Where full pictures go, and each frame that was sent; `is_full` where its bytes are those of the full picture."""
+    """Keeps full pictures, and each frame that was sent; `is_full` where its bytes are those of the full picture."""
 
     def is_watched(self) -> bool: ...
 
@@ -30,7 +30,7 @@ class FullPictures:
 
     @property
     def wanted(self) -> bool:
-        """Whether anybody takes them."""
+        """Return whether anybody takes them."""
         return self._keeper.is_watched()
 
     def see(self, camera: str, frame: Frame | None, sent: VideoFrame | None, setting: StreamSetting) -> None:

@@ -46,7 +46,7 @@ class MarkerLook:
             left = self._unreached.get(view, ())
             found = self._detector.find(frame.image, lambda: self._clock.now_ns() < end_ns, first=left)
             self._unreached[view] = found.unreached
-            self._watch.take(view, frame.capture_ns, found, self._tool_at(frame.capture_ns))
+            self._watch.observe(view, frame.capture_ns, found, self._tool_at(frame.capture_ns))
         if now_ns - self._published_ns >= LOOK_NS:
             self._published_ns = now_ns
             self._publish(self._watch.sightings(now_ns))

@@ -82,7 +82,7 @@ class VideoTally:
         return CameraTally(dict(zip(STATUSES, counts, strict=False)), *counts[BYTES:])
 
     def sentences(self) -> dict[str, str]:
-        """How many messages of all cameras were sent by status, how old the oldest live picture was, what was lost."""
+        """Say how many messages of all cameras were sent by status, how old the oldest live one was, what was lost."""
         every = [self.read(camera) for camera in self.cameras]
         sent = {status: sum(tally.frames[status] for tally in every) for status in STATUSES}
         others = [f"{count} {status}" for status, count in sent.items() if count and status is not CameraStatus.LIVE]
@@ -104,7 +104,7 @@ Shown = Callable[[], tuple[str, ViewsShown] | None]
 
 @dataclass(frozen=True, slots=True)
 class VideoWire:
-    """Where pictures go, what operators' consoles report of them, and the lease in force (None without one).
+    """The outlet for pictures, what operators' consoles report of them, and the lease in force (None without one).
 
     Each source of `shown` returns a report once, with the operator whose key it came on; `key_frames` returns each
     viewer's request once. `show_trouble` is told twice a second what keeps pictures from coming all and in time, None
@@ -164,7 +164,7 @@ class _Console:
     looked_ns: int = 0
 
     def is_watched(self, now_ns: int) -> bool:
-        """Whether the console that counts has reported lately."""
+        """Return whether the console that counts has reported lately."""
         return now_ns - self.heard_ns <= WATCHED_NS
 
     def listen(self, now_ns: int) -> None:
@@ -290,7 +290,7 @@ def run_video(
 
 
 def _wait_for_the_end(should_stop: Callable[[], bool], beat: Callable[[], None]) -> None:
-    """Where no camera is used there is nothing to send."""
+    """Beat until the end: where no camera is used there is nothing to send."""
     while not should_stop():
         beat()
         time.sleep(IDLE_S)

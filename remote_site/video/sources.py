@@ -34,7 +34,7 @@ class FrameSource(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class SimulatedViews:
-    """What simulated cameras show: the cell that runs, and its memory."""
+    """The views of simulated cameras: the cell that runs, and its memory."""
 
     cell: CellConfig
     robot: RobotConfig

@@ -54,8 +54,7 @@ def stand(browser: object) -> Iterator[Stand]:
         remote = sites.remote(*settings, program="lab.stage.stand_ins.clocked_views")
         sites.local()
         port = free_ports(1)[0]
-        links = (f"links.control={sites.control}", f"links.video={sites.video}", f"links.local={sites.listen}")
-        console = sites.start("console", *links, f"serve.port={port}")
+        console = sites.start("console", *sites.endpoints.console, f"serve.port={port}")
         sites.wait_for_states()
         sites.wait("the lease", lambda: sites.state.lease is not None)
         yield Stand(sites, remote, console, f"http://127.0.0.1:{port}/", browser)

@@ -13,8 +13,8 @@ DATED = {  # for people the day of a calibration, a recording, a report, a stop;
     "farhand/calibration/points.py": {"now"},
     "farhand/commands/files.py": {"now"},
     "farhand/commands/record.py": {"now"},
-    "farhand/doctor/run.py": {"now"},
-    "farhand/tracking/run.py": {"now"},
+    "farhand/doctor/examination.py": {"now"},
+    "farhand/tracking/track_run.py": {"now"},
 }
 STEADY = {"common/host_clock.py": {"clock_gettime_ns"}}  # of CLOCK_MONOTONIC_RAW and CLOCK_BOOTTIME
 

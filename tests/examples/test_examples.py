@@ -67,7 +67,7 @@ def test_a_tracker_finds_its_spot() -> None:
 
 
 def test_the_state_of_a_cell_is_read(sites: Sites) -> None:
-    lines = printed("cell_state", sites.control, CELL, 3).splitlines()
+    lines = printed("cell_state", sites.endpoints.control, CELL, 3).splitlines()
     assert len(lines) >= 2
     assert all(line.startswith("disengaged: ") and line.endswith(" rad") for line in lines)
 
@@ -75,11 +75,11 @@ def test_the_state_of_a_cell_is_read(sites: Sites) -> None:
 def test_a_hand_out_of_a_file_moves_the_arm(sites: Sites, tmp_path: Path) -> None:
     poses = tmp_path / "poses.csv"
     poses.write_text("0,0.0,0.0,0.3\n8,0.0,0.0,0.3\n10,0.0,0.0,0.35\n14,0.0,0.0,0.35\n")
-    with started("published_hand", poses, sites.control, CELL) as hand:
+    with started("published_hand", poses, sites.endpoints.control, CELL) as hand:
         sites.wait("readiness", lambda: sites.state.readiness.ready)
         before = np.array(sites.state.base_T_tool.position)
         engage = [sys.executable, "-m", "farhand", "engage", "--cell", CELL, "--operator", "example", "--remote"]
-        subprocess.run([*engage, sites.control], check=True, capture_output=True, timeout=60)
+        subprocess.run([*engage, sites.endpoints.control], check=True, capture_output=True, timeout=60)
         sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED))
         sites.wait("the way", lambda: abs(np.linalg.norm(sites.state.base_T_tool.position - before) - 0.05) < 0.005)
         hand.communicate(timeout=60)
@@ -88,7 +88,7 @@ def test_a_hand_out_of_a_file_moves_the_arm(sites: Sites, tmp_path: Path) -> Non
 
 def test_a_page_shows_a_view(sites: Sites) -> None:
     (port,) = free_ports(1)
-    with started("own_page", "side", port, sites.video, CELL):
+    with started("own_page", "side", port, sites.endpoints.video, CELL):
         sites.wait("the page", lambda: listens(port))
         with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=30) as film:
             data = film.read(20_000)

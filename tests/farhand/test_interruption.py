@@ -89,7 +89,7 @@ setattr(getattr(found, owner) if owner else found, {name!r}, waiting)
         ("farhand.authority.asking._first_up", ["stop", "--remote", SILENT], NOT),
         ("farhand.authority.asking._first_up", ["maintenance", "stop", "--remote", SILENT], NOT),
         ("farhand.authority.asking._first_up", ["engage", "--remote", SILENT], "interrupted"),
-        ("farhand.arm_import.run.read_urdf", ["arm", "import", "arm.urdf"], "interrupted"),
+        ("farhand.arm_import.import_arm.read_urdf", ["arm", "import", "arm.urdf"], "interrupted"),
         ("farhand.doctor.machine.probe_python", ["doctor"], "interrupted"),
         ("farhand.doctor.link.probing:LinkProber.measure", ["doctor", "--link"], "interrupted"),
     ],

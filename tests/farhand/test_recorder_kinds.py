@@ -7,7 +7,7 @@ import pytest
 from common.errors import ConfigError
 from common.process.service import StopFlag
 from farhand.deployment.shipped import HERE
-from farhand.recording.run import FOLDERS, load_site, run_recorder
+from farhand.recording.site_recorder import FOLDERS, load_site, run_recorder
 from local_site.config import LocalConfig
 from remote_site.config import RemoteConfig
 

@@ -24,6 +24,7 @@ from common.messages.requests import ClockQuestion, EngagementAction
 from farhand.certificates.folder import CertificateOrder, add_router, create
 from farhand.loopback.site_process import start_site
 from farhand.router import RouterConfig, zenohd_configuration
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import (
     ANNA,
     CELL,
@@ -40,7 +41,6 @@ from tests.common.link.secured_cell import (
 )
 from tests.common.link.watched_cell import watched
 from tests.integration.sites import child_of
-from tests.waiting import until
 
 PROJECT = Path(__file__).parents[2]
 

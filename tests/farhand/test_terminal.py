@@ -15,8 +15,8 @@ from farhand.cli import main
 from farhand.doctor.findings import as_text, warning
 from farhand.exits import NOT_STOPPED
 from farhand.loopback.display import LiveSummary, print_table
+from farhand.loopback.measured_run import run_figures
 from farhand.loopback.recorder import CameraRecord, Record
-from farhand.loopback.run import run_figures
 from farhand.terminal import complain, progress_bar, say
 from remote_site.config import RemoteConfig
 from remote_site.drivers.conformance.verdicts import Verdict

@@ -2,7 +2,6 @@
 
 import shutil
 import struct
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -14,8 +13,7 @@ import numpy as np
 
 from common.clock import NS_PER_S
 from common.config.loading import load_config
-from common.geometry import Array, vector_from_rotation
-from common.link.config import LinkSecurity
+from common.errors import ProcessError
 from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.link.transport import Link, open_link
@@ -26,14 +24,14 @@ from farhand.loopback.site_process import SiteProcess, free_ports
 from lab.stage.network.command_socket import send
 from lab.stage.network.namespaces import LinkedHosts
 from lab.stage.processes import module_command
-from lab.stage.stand_ins.hand_path import ScriptedPath
+from lab.stage.staged_sites import StagedSites
+from lab.stage.stand_ins.commanded_hand import CommandedHand
+from lab.stage.waiting import until
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
-from remote_site.kinematics.model import ArmModel
 from tests.faults.driver_log import DriverLog
 from tests.faults.pair_setup import A465, CELL, OPERATOR, PairSetup
 
-FARHAND = (sys.executable, "-m", "farhand")
 PATIENCE_S = 90.0
 MOVING_RAD_S = 0.15
 CIRCLE_M, CIRCLE_HZ = (0.05, 0.04, 0.04), 0.5  # up to two thirds of what joint 3 can accelerate
@@ -55,63 +53,46 @@ class CellPair:
         self.stack = ExitStack()
         folder = Path(tempfile.mkdtemp(prefix="farhand-faults-", dir=MEMORY))
         self.stack.callback(shutil.rmtree, folder, ignore_errors=True)
-        self._setup = PairSetup.make(folder, settings, protocol, two_hosts=network is not None)
-        self._environment = self._setup.environment()
-        self.config = load_config(RemoteConfig, None, self._setup.remote)
-        robot = self.config.robot
-        self.model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
-        self.limits = JointLimits.from_model(self.model, robot)
-        self.link = self.stack.enter_context(open_link(connect=(self._setup.control,), security=self._setup.security))
+        self.setup = PairSetup.make(folder, settings, protocol, two_hosts=network is not None)
+        self._sites = StagedSites(self.setup.environment())
+        self.config = load_config(RemoteConfig, None, self.setup.remote)
+        self.scripted = CommandedHand(folder / "hand", self.config)
+        self.model = self.scripted.model
+        self.limits = JointLimits.from_model(self.model, self.config.robot)
+        self.link = self.link_of(OPERATOR)
         self.states = Recorder(self.link, self.link, CELL, (), OPERATOR).record.states
-        self._processes: dict[str, SiteProcess] = {}
-        self.path = ScriptedPath.still()
 
     def link_of(self, operator: str) -> Link:
-        """A link of another operator to the remote site, with the certificate of that name where there are any."""
-        link = open_link(connect=(self._setup.control,), security=self._setup.security_of(operator))
+        """A link of an operator to the remote site, with the certificate of that name where there are any."""
+        link = open_link(connect=(self.setup.endpoints.control,), security=self.setup.security_of(operator))
         return self.stack.enter_context(link)
 
     def viewer(self) -> Link:
         """A link of a viewer, at the endpoint for viewers."""
-        return open_link(connect=(self._setup.viewers,), security=self._setup.security_with("viewer"))
+        return open_link(connect=(self.setup.viewers,), security=self.setup.security_with("viewer"))
 
     def maintenance(self) -> Link:
         """A link of maintenance to the remote site."""
-        return open_link(connect=(self._setup.control,), security=self._setup.security_with("maintenance"))
-
-    @property
-    def control(self) -> str:
-        """The remote site's control endpoint."""
-        return self._setup.control
-
-    @property
-    def video(self) -> str:
-        """The remote site's endpoint of pictures."""
-        return self._setup.video
-
-    @property
-    def security(self) -> LinkSecurity:
-        """How the operator's links connect."""
-        return self._setup.security
+        return open_link(connect=(self.setup.endpoints.control,), security=self.setup.security_with("maintenance"))
 
     @property
     def folder(self) -> Path:
         """Where the pair's files and sockets are."""
-        return self._setup.folder
+        return self.setup.folder
 
     @property
     def remote(self) -> SiteProcess:
         """The remote site's process; KeyError before it has been started."""
-        return self._processes["remote"]
+        return self._sites.named("remote")
 
     @property
     def local(self) -> SiteProcess:
         """The local site's process; KeyError before it has been started."""
-        return self._processes["local"]
+        return self._sites.named("local")
 
     def start(self) -> None:
         """Start both sites, and the robot where it is a process of its own."""
-        if A465 in self._setup.driver_settings:
+        if A465 in self.setup.driver_settings:
             self._start("robot", module_command("tests.faults.emulated_robot", self.folder))
             self.wait("the robot", (self.folder / "line").exists)
         self.start_remote()
@@ -119,44 +100,41 @@ class CellPair:
 
     def start_remote(self, *settings: str) -> None:
         """Start the remote site, with other settings than the pair's perhaps, and wait for its first state."""
-        self._end("remote")
+        self._sites.end_named("remote")
         before = len(self.states)
-        self._start("remote", [*FARHAND, "remote"], (*self._setup.remote, *settings))
+        self._start("remote", module_command("farhand", "remote"), (*self.setup.remote, *settings))
         self.wait("the remote site", lambda: len(self.states) > before)
 
     def start_local(self) -> None:
         """Start the local site, on the other host if there is one."""
-        commands = self.folder / "hand"
-        self._end("local")
-        self.path = ScriptedPath.still()
-        commands.unlink(missing_ok=True)
-        self._start(
-            "local", [*self._beyond, *module_command("lab.stage.stand_ins.scripted_local", commands)], self._setup.local
-        )
-        self.wait("the scripted operator", commands.exists)
+        commands = module_command("lab.stage.stand_ins.scripted_local", self.folder / "hand")
+        self._sites.end_named("local")
+        self.scripted.forget()
+        self._start("local", [*self._beyond, *commands], self.setup.local)
+        self.wait("the scripted operator", (self.folder / "hand").exists)
 
     def start_path(self, task: str) -> None:
         """Have a taught task, as the text of its file, take the place of the local site."""
-        self._end("local")
+        self._sites.end_named("local")
         file = self.folder / "task.toml"
         file.write_text(task)
-        self._start("local", [*self._beyond, *FARHAND, "teach", "run", str(file)], self._setup.local)
+        self._start("local", [*self._beyond, *module_command("farhand", "teach", "run", file)], self.setup.local)
 
     @property
     def console(self) -> SiteProcess:
         """The console's process; KeyError before it has been started."""
-        return self._processes["console"]
+        return self._sites.named("console")
 
     def start_console(self) -> int:
         """Start the operator's console beside the local site; the port of its page."""
         (port,) = free_ports(1)
-        self._start("console", [*self._beyond, *FARHAND, "console"], self._setup.console(port))
+        self._start("console", [*self._beyond, *module_command("farhand", "console")], self.setup.console(port))
         return port
 
     def end_console(self) -> None:
         """End the console and its page; the local site starts again, under a lease that knows no page."""
         for name in ("page", "console"):
-            self._end(name)
+            self._sites.end_named(name)
         self.start_local()
 
     def start_page(self, port: int, *, down: bool = False) -> SiteProcess:
@@ -182,13 +160,12 @@ class CellPair:
         return self.state.state is state
 
     def wait(self, what: str, is_so: Callable[[], Any], seconds: float = PATIENCE_S) -> None:
-        """Wait until something is so; AssertionError with the sites' last lines otherwise."""
-        deadline = time.monotonic() + seconds
-        while not is_so():
-            if time.monotonic() > deadline:
-                lines = [f"{name}: {(list(p.lines) or ['silent'])[-1]}" for name, p in self._processes.items()]
-                raise AssertionError(f"waited {seconds:g} s in vain for {what}: {lines} {self.states[-1:]}")
-            time.sleep(0.01)
+        """Wait until something is so; ProcessError with the sites' last lines otherwise."""
+        until(is_so, what, seconds, self._last_words)
+
+    def _last_words(self) -> str:
+        lines = [f"{p.name}: {(list(p.lines) or ['silent'])[-1]}" for p in self._sites.processes]
+        return f"{lines} {self.states[-1:]}"
 
     def ask(self, action: EngagementAction, seen_ns: int | None = None) -> Reply:
         """Ask the remote site in the operator's name, who is shown what there is now, or was shown the halt given."""
@@ -207,7 +184,7 @@ class CellPair:
             try:
                 self.wait("the arm to be back", lambda: np.abs(self.pose_of_arm()).max() < NEAR, glide_s + 3.0)
                 return
-            except AssertionError:  # a busy machine makes the arm hold, which shifts the hand against it
+            except ProcessError:  # a busy machine makes the arm hold, which shifts the hand against it
                 if attempt == ATTEMPTS - 1:
                     raise
 
@@ -238,22 +215,11 @@ class CellPair:
 
     def pose_of_arm(self) -> tuple[float, ...]:
         """The hand's pose at which to engage, so that the arm is at its start when the hand is at home."""
-        return self.pose_of(np.array(self.state.q_commanded))
-
-    def pose_of(self, q: Array) -> tuple[float, ...]:
-        """The hand's pose (m and rotation vector, operator frame) that asks for the tool where it is in a posture."""
-        start, now = (self.model.forward(posture) for posture in (self.config.robot.start, q))
-        base_R_operator = np.array(self.config.mapping.base_R_operator)
-        rotation = vector_from_rotation(now[:3, :3] @ start[:3, :3].T)
-        moved = now[:3, 3] - start[:3, 3]
-        return (*(moved @ base_R_operator / self.config.mapping.scale).tolist(), *(rotation @ base_R_operator).tolist())
+        return self.scripted.pose_of(np.array(self.state.q_commanded))
 
     def hand(self, **fields: Any) -> None:
         """Command the scripted operator and the cameras."""
-        if "to" in fields:
-            fields["begun_ns"] = time.monotonic_ns()
-            self.path = self.path.then(fields)
-        send(self.folder / "hand", **fields)
+        self.scripted.command(**fields)
 
     def robot(self, **fields: Any) -> None:
         """Command the recording driver."""
@@ -275,16 +241,9 @@ class CellPair:
 
     def close(self) -> None:
         """End everything."""
-        for process in reversed(self._processes.values()):
-            process.end()
+        self._sites.end()
         self.stack.close()
 
     def _start(self, name: str, command: list[str], settings: tuple[str, ...] = ()) -> SiteProcess:
-        self._end(name)
-        arguments = [part for setting in settings for part in ("--set", setting)]
-        self._processes[name] = SiteProcess(name, [*command, *arguments], self._environment)
-        return self._processes[name]
-
-    def _end(self, name: str) -> None:
-        if name in self._processes:
-            self._processes[name].end()
+        self._sites.end_named(name)
+        return self._sites.start(name, command, settings)

@@ -113,8 +113,8 @@ class _Console:
 @contextmanager
 def _console(pair: CellPair) -> Iterator[_Console]:
     """A console of the operator at the video endpoint."""
-    console = _Console()
-    with open_link(connect=(pair.video,), security=pair.security, sessions=(ChannelSession.VIDEO,)) as link:
+    console, setup = _Console(), pair.setup
+    with open_link(connect=(setup.endpoints.video,), security=setup.security, sessions=(ChannelSession.VIDEO,)) as link:
         frames, shown = link.latest(CAMERA, CELL, CAMERA_NAME), link.publisher(SHOWN, CELL, operator=OPERATOR)
         threads = [
             threading.Thread(target=frames.feed, args=(console.take,), daemon=True),

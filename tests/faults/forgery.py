@@ -131,7 +131,7 @@ def usurping_ones(pair: CellPair, seconds: float) -> None:
     """
     other, (x, y, z) = OTHERS[0], HOME
     forger = Forger(pair, other)
-    with dishonest(pair.control, pair.folder, f"operator.{other}", cell=CELL) as session:
+    with dishonest(pair.setup.endpoints.control, pair.folder, f"operator.{other}", cell=CELL) as session:
         for k in range(round(seconds / EVERY_S)):
             wrist = (x, y + LEAD_M_S * k * EVERY_S, z)
             points = {name: tuple(a + b for a, b in zip(wrist, offset, strict=True)) for name, offset in SHAPE.items()}

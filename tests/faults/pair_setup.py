@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-import msgspec
-
-from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
+from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.endpoints import SECURED
 from farhand.certificates.folder import CertificateOrder, create
 from farhand.loopback.site_process import free_ports
+from lab.stage.cell_certificates import CellCertificates
+from lab.stage.cell_endpoints import CellEndpoints
 from lab.stage.processes import ROOT
 
 A465 = "driver.name=c500c"
@@ -34,9 +34,7 @@ class PairSetup:
 
     folder: Path
     two_hosts: bool
-    control: str
-    video: str
-    listen: str
+    endpoints: CellEndpoints
     viewers: str
     driver_settings: tuple[str, ...]
 
@@ -47,9 +45,9 @@ class PairSetup:
             create(folder, CertificateOrder(CELL, ("localhost",), 1, (OPERATOR, *OTHERS)), datetime.now(UTC))
         host = "localhost" if two_hosts else "127.0.0.1"
         control, video, listen, watched = free_ports(4)
-        endpoints = f"{protocol}/{host}:{control}", f"tcp/{host}:{video}", f"tcp/127.0.0.1:{listen}"
+        places = f"{protocol}/{host}:{control}", f"tcp/{host}:{video}", f"tcp/127.0.0.1:{listen}"
         viewers = f"tls/{host}:{watched}" if protocol == "tls" else ""
-        return cls(folder, two_hosts, *endpoints, viewers, _driver(folder, settings))
+        return cls(folder, two_hosts, CellEndpoints(CELL, *places), viewers, _driver(folder, settings))
 
     @property
     def security(self) -> LinkSecurity:
@@ -62,32 +60,26 @@ class PairSetup:
 
     def security_with(self, who: str) -> LinkSecurity:
         """How a link connects that shows this certificate, where there are any."""
-        return LinkSecurity(tls=self._tls(who)) if self._is_secured else ON_THIS_HOST
+        return self._certificates.security_of(who) if self._is_secured else ON_THIS_HOST
 
     @property
     def remote(self) -> tuple[str, ...]:
         """The settings of the remote site."""
-        links = f"cell={CELL}", f"links.control={self.control}", f"links.video={self.video}"
         listed = f"links.operators={json.dumps([OPERATOR, *OTHERS])}"
         settings = listed, "engagement.mode=on_request", VIDEO
         viewers = (f"links.viewers.listen={self.viewers}", *self._certificate("viewers-remote", "links.viewers.tls"))
         watched = viewers if self.viewers else ()
-        return *links, *settings, *self._certificate("remote"), *watched, *self.driver_settings
+        return *self.endpoints.remote, *settings, *self._certificate("remote"), *watched, *self.driver_settings
 
     @property
     def local(self) -> tuple[str, ...]:
         """The settings of the local site."""
-        links = (
-            f"links.remote={self.control}",
-            f"links.listen={self.listen}",
-            *self._certificate(f"operator.{OPERATOR}"),
-        )
-        return f"cell={CELL}", "tracking.method=markers", f"authority.operator={OPERATOR}", *links
+        who = "tracking.method=markers", f"authority.operator={OPERATOR}"
+        return *self.endpoints.local, *who, *self._certificate(f"operator.{OPERATOR}")
 
     def console(self, port: int) -> tuple[str, ...]:
         """The settings of a console whose page is at a port."""
-        links = f"links.control={self.control}", f"links.video={self.video}", f"links.local={self.listen}"
-        return f"cell={CELL}", f"operator={OPERATOR}", f"serve.port={port}", *links
+        return *self.endpoints.console, f"operator={OPERATOR}", f"serve.port={port}"
 
     def environment(self) -> dict[str, str]:
         """Make the environment in which the recording driver is an installed one, and the wall clock can be stepped."""
@@ -100,17 +92,15 @@ class PairSetup:
 
     @property
     def _is_secured(self) -> bool:
-        return self.control.partition("/")[0] in SECURED
+        return self.endpoints.control.partition("/")[0] in SECURED
 
-    def _tls(self, who: str) -> TlsConfig:
-        pair = self.folder / CELL / who
-        authority = "viewers-ca" if who.startswith("viewer") else "ca"
-        return TlsConfig(ca=str(self.folder / f"{authority}.pem"), certificate=f"{pair}.pem", key=f"{pair}.key")
+    @property
+    def _certificates(self) -> CellCertificates:
+        return CellCertificates(self.folder, CELL)
 
     def _certificate(self, who: str, table: str = "links.tls") -> tuple[str, ...]:
         """The settings with which a site shows a certificate, where it has to."""
-        shown = msgspec.structs.asdict(self._tls(who)) if self._is_secured else {}
-        return tuple(f"{table}.{key}={value}" for key, value in shown.items())
+        return self._certificates.settings_of(who, table) if self._is_secured else ()
 
     def _wall_clock(self) -> dict[str, str]:
         offset, library = self.folder / "wall_offset", self.folder / "wall_clock.so"

@@ -15,10 +15,11 @@ from pathlib import Path
 
 from common.host_clock import MonotonicClock
 from common.link.channels import STATE
-from common.link.config import LinkSecurity, TlsConfig
 from common.link.transport import open_link
 from common.messages.robot import SessionState
 from farhand.certificates.folder import CertificateOrder, create
+from farhand.loopback.site_process import options_of
+from lab.stage.cell_certificates import CellCertificates
 from lab.stage.network.namespaces import LinkedHosts
 from remote_site.runtime.probe_server import ProbeServer
 from tests.common.messages.golden_examples import STATE as SOME_STATE
@@ -33,9 +34,8 @@ def serve(folder: Path, protocol: str, stop: threading.Event, *, engaged: bool) 
     word = SessionState.ENGAGED if engaged else SessionState.DISENGAGED
     fields = {name: getattr(SOME_STATE, name) for name in SOME_STATE.__struct_fields__}
     state = type(SOME_STATE)(**fields | {"state": word, "hand_link": None})
-    with open_link(
-        listen=(f"{protocol}/localhost:{PORT}",), security=secured(folder, "remote"), operators=(OPERATOR,)
-    ) as link:
+    security = CellCertificates(folder, CELL).security_of("remote")
+    with open_link(listen=(f"{protocol}/localhost:{PORT}",), security=security, operators=(OPERATOR,)) as link:
         server = ProbeServer(link, CELL, (OPERATOR,), MonotonicClock(), print)
         states = link.publisher(STATE, CELL)
         ticks = 0
@@ -46,24 +46,10 @@ def serve(folder: Path, protocol: str, stop: threading.Event, *, engaged: bool) 
                 states.put(state)
 
 
-def secured(folder: Path, who: str) -> LinkSecurity:
-    """How this identity connects."""
-    pair = folder / CELL / who
-    return LinkSecurity(tls=TlsConfig(ca=str(folder / "ca.pem"), certificate=f"{pair}.pem", key=f"{pair}.key"))
-
-
 def settings(folder: Path, protocol: str) -> list[str]:
     """The settings of the local site that the doctor examines."""
-    tls = secured(folder, f"operator.{OPERATOR}").tls
-    given = {
-        "cell": CELL,
-        "authority.operator": OPERATOR,
-        "links.remote": f"{protocol}/localhost:{PORT}",
-        "links.tls.ca": tls.ca,
-        "links.tls.certificate": tls.certificate,
-        "links.tls.key": tls.key,
-    }
-    return [part for key, value in given.items() for part in ("--set", f"{key}={value}")]
+    given = f"cell={CELL}", f"authority.operator={OPERATOR}", f"links.remote={protocol}/localhost:{PORT}"
+    return options_of([*given, *CellCertificates(folder, CELL).settings_of(f"operator.{OPERATOR}")])
 
 
 def main(protocol: str, impairment: dict[str, float], *, engaged: bool) -> None:

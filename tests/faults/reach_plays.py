@@ -37,7 +37,7 @@ def sweep_wrist(trial: Trial) -> None:
     pair.start_remote()  # at its very start: a wrist that is a little turned passes beside the singularity
     pair.engage()
     beyond = np.array(pair.config.robot.start) + np.radians([0, 0, 0, 0, 75, 0])
-    pair.hand(to=pair.pose_of(beyond), seconds=4.0)
+    pair.hand(to=pair.scripted.pose_of(beyond), seconds=4.0)
     time.sleep(5.5)
     log = pair.log(trial.begun_ns)
     q5 = np.degrees(log.q[:, 4])
@@ -85,7 +85,8 @@ def _retreat(trial: Trial) -> None:
     log = pair.log(trial.begun_ns)
     distances = np.linalg.norm(log.positions - log.positions[-1], axis=1)
     before = log.q[np.flatnonzero(distances > RETREAT_M)[-1]]
-    pair.hand(to=pair.pose_of(before), seconds=1.0 + 3.0 * float(np.abs(pose - pair.pose_of(before)).max()))
+    back = pair.scripted.pose_of(before)
+    pair.hand(to=back, seconds=1.0 + 3.0 * float(np.abs(pose - back).max()))
     pair.wait(
         "its retreat",
         lambda: np.linalg.norm(pair.log(trial.begun_ns).positions[-1] - log.positions[-1]) > 0.8 * RETREAT_M,

@@ -184,7 +184,7 @@ class Trial:
         writes = pair.log(since_ns).writes[::EVERY]
         writes = writes[writes["t_ns"] < until_ns]
         start, scale = pair.model.forward(pair.config.robot.start)[:3, 3], pair.config.mapping.scale
-        hand = np.array([pair.path.at(int(t_ns) - delay_ns)[:3] for t_ns in writes["t_ns"]])
+        hand = np.array([pair.scripted.path.at(int(t_ns) - delay_ns)[:3] for t_ns in writes["t_ns"]])
         wanted = start + scale * hand @ np.array(pair.config.mapping.base_R_operator).T
         tool = np.array([pair.model.forward(q)[:3, 3] for q in writes["motion"][:, 0]])
         return 1e3 * float(np.sqrt(np.mean(np.sum((tool - wanted) ** 2, axis=1))))

@@ -58,7 +58,7 @@ class Pair:
     def engage(self) -> str:
         """The answer to a request to engage; empty when it is refused."""
         try:
-            return request_engage(CELL, self.sites.control, OPERATOR)
+            return request_engage(CELL, self.sites.endpoints.control, OPERATOR)
         except TransportError:
             return ""
 

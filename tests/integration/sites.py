@@ -3,10 +3,8 @@
 import os
 import signal
 import tempfile
-import time
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from itertools import islice
 from pathlib import Path
 from unittest.mock import patch
 
@@ -17,7 +15,10 @@ from common.clock import NS_PER_S
 from common.link.transport import open_link
 from common.messages.robot import RobotState, SessionState
 from farhand.loopback.recorder import Recorder
-from farhand.loopback.site_process import SiteProcess, free_ports, start_site
+from farhand.loopback.site_process import SiteProcess, free_ports, module_command
+from lab.stage.cell_endpoints import CellEndpoints
+from lab.stage.staged_sites import StagedSites
+from lab.stage.waiting import until
 from tests.integration.systemd import Systemd
 
 CELL = "test"
@@ -43,33 +44,29 @@ class Sites:
     """The endpoints of one pair of sites, and the processes started on them, each under a systemd of its own."""
 
     def __init__(self) -> None:
-        self.control, self.video, self.listen = (f"tcp/127.0.0.1:{port}" for port in free_ports(3))
-        self.processes: list[SiteProcess] = []
+        self.endpoints = CellEndpoints.on_ports(CELL, *free_ports(3))
         self.systemd: dict[int, Systemd] = {}
         self.stack = ExitStack()
-        self.runtime = Path(self.stack.enter_context(tempfile.TemporaryDirectory()))
-        link = self.stack.enter_context(open_link(connect=(self.control, self.listen)))
-        self.link = link
-        self.record = Recorder(link, link, CELL, ()).record
+        self._runtime = Path(self.stack.enter_context(tempfile.TemporaryDirectory()))
+        self._staged = StagedSites({"STATE_DIRECTORY": str(self._runtime)})
+        connect = self.endpoints.control, self.endpoints.listen
+        self.link = self.stack.enter_context(open_link(connect=connect))
+        self.record = Recorder(self.link, self.link, CELL, ()).record
 
     def remote(self, *settings: str, program: str = "farhand") -> SiteProcess:
         """Start a remote site; its states come a few seconds later."""
-        links = (f"links.control={self.control}", f"links.video={self.video}")
-        return self.start("remote", *links, *LIGHT_REMOTE, *settings, program=program)
+        return self.start("remote", *self.endpoints.remote, *LIGHT_REMOTE, *settings, program=program)
 
-    def local(self, *settings: str) -> SiteProcess:
-        """Start a local site with a simulated operator, who wears markers."""
-        links = (f"links.remote={self.control}", f"links.listen={self.listen}")
-        return self.start("local", *links, *LIGHT_LOCAL, *settings)
+    def local(self, *settings: str, within: Sequence[str] = ()) -> SiteProcess:
+        """Start a local site with a simulated operator, who wears markers; `within` is what begins its command."""
+        return self.start("local", *self.endpoints.local, *LIGHT_LOCAL, *settings, within=within)
 
-    def start(self, name: str, *settings: str, program: str = "farhand") -> SiteProcess:
+    def start(self, name: str, *settings: str, program: str = "farhand", within: Sequence[str] = ()) -> SiteProcess:
         """Start a process of this cell."""
-        arguments = [part for setting in (f"cell={CELL}", *settings) for part in ("--set", setting)]
-        systemd = Systemd(self.runtime / f"notify-{len(self.processes)}")
+        systemd = Systemd(self._runtime / f"notify-{len(self._staged.processes)}")
         self.stack.callback(systemd.close)
         with patch.dict(os.environ, NOTIFY_SOCKET=str(systemd.path)):
-            process = start_site(name, arguments, self.runtime, program)
-        self.processes.append(process)
+            process = self._staged.start(name, [*within, *module_command(program, name)], settings)
         self.systemd[process.pid] = systemd
         return process
 
@@ -93,21 +90,16 @@ class Sites:
         return float(np.abs(np.subtract(newest.q, last.q)).max()) / seconds if seconds > 0 else 0.0
 
     def wait(self, what: str, is_so: Callable[[], bool], seconds: float = PATIENCE_S) -> None:
-        """Wait until something is so; an AssertionError with the state's reason otherwise."""
-        deadline = time.monotonic() + seconds
-        while not is_so():
-            reasons = [state.reason for state in self.record.states[-1:]]
-            assert time.monotonic() < deadline, f"waited in vain for {what}: {reasons}"
-            time.sleep(0.02)
+        """Wait until something is so; ProcessError with the state's reason otherwise."""
+        until(is_so, what, seconds, lambda: [state.reason for state in self.record.states[-1:]])
 
     def said(self) -> str:
         """The last lines of every process's log."""
-        tails = {p: list(islice(p.lines.copy(), max(0, len(p.lines) - TOLD_LINES), None)) for p in self.processes}
+        tails = {p: list(p.lines.copy())[-TOLD_LINES:] for p in self._staged.processes}
         return "\n".join(f"{p.name} {p.pid} ({p.exit_code}): {line}" for p, tail in tails.items() for line in tail)
 
     def close(self) -> None:
-        for process in reversed(self.processes):
-            process.end()
+        self._staged.end()
         self.stack.close()
 
 

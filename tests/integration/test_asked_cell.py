@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 from common.messages.robot import STOPPED, SessionState
 from common.messages.video import CameraStatus
 from tests.integration.pair import OPERATOR, Pair
@@ -13,7 +15,7 @@ CAMERAS = {"camera front_high", "camera front_low", "camera side", "camera gripp
 
 def farhand(*arguments: str, sites: Sites) -> subprocess.CompletedProcess[str]:
     """A command that asks the remote site of these."""
-    command = [sys.executable, "-m", "farhand", *arguments, "--cell", CELL, "--remote", sites.control]
+    command = [sys.executable, "-m", "farhand", *arguments, "--cell", CELL, "--remote", sites.endpoints.control]
     return subprocess.run(command, check=False, capture_output=True, text=True, timeout=120)
 
 
@@ -22,14 +24,14 @@ def test_a_running_cell_is_shown_disengaged_and_stopped_from_a_terminal(pair: Pa
     pair.following()
     sites = pair.sites
 
-    shown = farhand("status", "--video", sites.video, sites=sites)
+    shown = farhand("status", "--video", sites.endpoints.video, sites=sites)
     assert shown.returncode == 0, shown.stderr
     rows = dict(line.split(": ", 1) for line in shown.stdout.splitlines())
     assert {"state", "hand samples", "hand age", "obeyed", "round trip", "control", "states", "recorder"} <= set(rows)
     assert rows["lease"].startswith(f"{OPERATOR} (site ")
     assert set(rows) >= CAMERAS
     assert {rows[name].partition(",")[0] for name in CAMERAS} <= set(CameraStatus)
-    assert rows["cell"] == f"{CELL} at {sites.control}, robot a465, driver kinematic"
+    assert rows["cell"] == f"{CELL} at {sites.endpoints.control}, robot a465, driver kinematic"
     unseen = farhand("status", "--once", "--no-pictures", sites=sites)
     assert "pictures: not counted, as asked" in unseen.stdout.splitlines()
 

@@ -8,6 +8,7 @@ import time
 
 import pytest
 
+from lab.stage.waiting import until
 from tests.integration.sites import PATIENCE_S, alive, descendants
 
 PROCESSES = 6
@@ -22,9 +23,7 @@ def test_ctrl_c_before_engagement_is_no_failure_and_leaves_no_process() -> None:
         text=True,
     )
     try:
-        deadline = time.monotonic() + PATIENCE_S
-        while len(descendants(loopback.pid)) < PROCESSES and time.monotonic() < deadline:
-            time.sleep(0.1)
+        until(lambda: len(descendants(loopback.pid)) >= PROCESSES, "its processes", PATIENCE_S)
         started = descendants(loopback.pid)
         assert len(started) >= PROCESSES
         time.sleep(1.0)

@@ -5,6 +5,7 @@ import signal
 import time
 
 import numpy as np
+import pytest
 
 from common.link.channels import HAND
 from common.messages.robot import SessionState

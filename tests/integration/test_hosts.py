@@ -1,11 +1,9 @@
 """Two hosts whose clocks differ by an hour, as real processes: holding the key down moves the arm."""
 
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 
 import pytest
 
@@ -15,8 +13,6 @@ from common.messages.hand import Intent, OperatorIntent
 from common.messages.robot import SessionState
 from tests.integration.sites import (
     CELL,
-    LIGHT_LOCAL,
-    PATIENCE_S,
     PATIENT,
     Sites,
     running_sites,
@@ -35,23 +31,6 @@ def sites() -> Iterator[Sites]:
 def in_another_time() -> bool:
     """Whether this machine lets a process have a monotonic clock of its own."""
     return subprocess.run([*IN_ANOTHER_TIME, "true"], check=False, capture_output=True).returncode == 0
-
-
-@contextmanager
-def local_an_hour_ahead(sites: Sites) -> Iterator[None]:
-    settings = (
-        *(f"links.{name}={where}" for name, where in (("remote", sites.control), ("listen", sites.listen))),
-        f"cell={CELL}",
-        "authority.operator=anna",
-        *LIGHT_LOCAL,
-    )
-    arguments = [part for setting in settings for part in ("--set", setting)]
-    process = subprocess.Popen([*IN_ANOTHER_TIME, sys.executable, "-m", "farhand", "local", *arguments])
-    try:
-        yield
-    finally:
-        process.terminate()
-        process.wait(PATIENCE_S)
 
 
 class Console:
@@ -82,7 +61,8 @@ class Console:
 @pytest.mark.skipif(not in_another_time(), reason="no right to a time namespace")
 def test_hold_to_run_between_hosts_whose_clocks_differ_by_an_hour(sites: Sites) -> None:
     sites.remote("driver.name=kinematic", "engagement.mode=hold_to_run", *PATIENT)
-    with local_an_hour_ahead(sites), Console(sites) as console:
+    sites.local("authority.operator=anna", within=IN_ANOTHER_TIME)
+    with Console(sites) as console:
         sites.wait_for_states()
         sites.wait("readiness", lambda: sites.state.readiness.ready)
         clock = sites.state.clock

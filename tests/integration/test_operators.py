@@ -35,7 +35,7 @@ def test_a_second_operator_takes_over_only_when_the_firsts_lease_has_expired(pai
     sites.wait("ben to be refused", lambda: any("not_holder" in line and "anna (site" in line for line in ben.lines))
     sites.wait("ben's samples to be fenced", lambda: sites.state.rejected.get("not_holder", 0) > 10)
     with pytest.raises(TransportError, match=r"not_holder\): anna \(site [0-9a-f]+\) holds"):
-        request_engage(CELL, sites.control, "ben")
+        request_engage(CELL, sites.endpoints.control, "ben")
     assert holder(sites) == "anna"
 
     lease = sites.state.lease
@@ -45,13 +45,13 @@ def test_a_second_operator_takes_over_only_when_the_firsts_lease_has_expired(pai
     assert still is not None
     assert still.holder == "anna"
     sites.wait("the lease to expire", lambda: holder(sites) is None)
-    assert "nobody holds the lease" in describe_lease(seen_state(CELL, sites.control))
+    assert "nobody holds the lease" in describe_lease(seen_state(CELL, sites.endpoints.control))
 
     assert act_on_lease(CELL, bens_listen, "ben", OperatorAction.TAKE) == "the lease of this cell is yours"
     sites.wait("ben's lease", lambda: holder(sites) == "ben")
     sites.wait("ben to be ready", lambda: sites.state.readiness.ready)
     assert sites.is_in(SessionState.DISENGAGED)
-    request_engage(CELL, sites.control, "ben")
+    request_engage(CELL, sites.endpoints.control, "ben")
     sites.wait("ben to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
 
     seen = len(sites.record.states)

@@ -13,6 +13,7 @@ from common.config.loading import load_config
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
 from farhand.authority.engage import request_engage, request_maintenance
+from farhand.loopback.site_process import options_of
 from remote_site.config import RemoteConfig
 from tests.integration.sites import CELL, LIGHT_REMOTE, PATIENT, Sites, descendants, name_of, running_sites
 from tests.remote_site.teleop.cycle_log import first_difference, read_cycles
@@ -21,7 +22,7 @@ SECONDS = 20.0
 PAUSE_S = 0.6  # between T_soft and T_latch of the patient sites
 OPERATOR = "anna"
 SCRIPT = Path(__file__).with_name("recording_remote.py")
-SETTINGS = (f"cell={CELL}", "driver.name=kinematic", *LIGHT_REMOTE, *PATIENT)
+SETTINGS = ("driver.name=kinematic", *LIGHT_REMOTE, *PATIENT)
 
 
 def paused(pid: int, seconds: float) -> None:
@@ -32,13 +33,13 @@ def paused(pid: int, seconds: float) -> None:
 
 
 def maintain(sites: Sites, action: EngagementAction) -> None:
-    request_maintenance(CELL, sites.control, action, print)
+    request_maintenance(CELL, sites.endpoints.control, action, print)
 
 
 def engage(sites: Sites) -> None:
     """Ask until the arm follows."""
     sites.wait("readiness", lambda: sites.state.readiness.ready)
-    request_engage(CELL, sites.control, OPERATOR)
+    request_engage(CELL, sites.endpoints.control, OPERATOR)
     sites.wait("the arm to be engaged", lambda: sites.is_in(SessionState.ENGAGED))
 
 
@@ -47,7 +48,7 @@ def follow_again(sites: Sites) -> None:
 
     def follows() -> bool:
         if sites.is_in(SessionState.DISENGAGED) and sites.state.readiness.ready:
-            request_engage(CELL, sites.control, OPERATOR)
+            request_engage(CELL, sites.endpoints.control, OPERATOR)
         return sites.is_in(SessionState.ENGAGED)
 
     sites.wait("the arm to follow again", follows)
@@ -77,10 +78,9 @@ def operate(sites: Sites, remote: int, local: int) -> None:
 def test_every_command_of_a_run_comes_again_bit_for_bit(tmp_path: Path) -> None:
     log = tmp_path / "cycles"
     with running_sites() as sites:
-        settings = (*SETTINGS, f"links.control={sites.control}", f"links.video={sites.video}")
-        arguments = [part for setting in settings for part in ("--set", setting)]
+        settings = (*sites.endpoints.remote, *SETTINGS)
         environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "STATE_DIRECTORY": str(tmp_path)}
-        remote = subprocess.Popen([sys.executable, str(SCRIPT), str(log), *arguments], env=environment)
+        remote = subprocess.Popen([sys.executable, str(SCRIPT), str(log), *options_of(settings)], env=environment)
         try:
             local = sites.local(f"authority.operator={OPERATOR}")
             sites.wait_for_states()

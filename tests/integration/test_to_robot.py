@@ -9,11 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from common.link.channels import INTENT, PREVIEW
 from common.messages.hand import Intent, OperatorIntent
 from common.messages.robot import SessionState
 from common.messages.video import CameraStatus, VideoFrame
+from farhand.loopback.site_process import options_of
 from tests.farhand.replay.recorded_states import LENGTH_M, moves_back, recorded_states, start_pose
 from tests.integration.sites import CELL, PATIENT, Sites, running_sites
 
@@ -43,13 +45,7 @@ def key(sites: Sites) -> Iterator[threading.Event]:
 
 @contextmanager
 def replaying(sites: Sites, file: Path) -> Iterator["subprocess.Popen[str]"]:
-    settings = (
-        f"cell={CELL}",
-        f"authority.operator={OPERATOR}",
-        f"links.remote={sites.control}",
-        f"links.listen={sites.listen}",
-    )
-    given = [part for setting in settings for part in ("--set", setting)]
+    given = options_of([*sites.endpoints.local, f"authority.operator={OPERATOR}"])
     command = [sys.executable, "-m", "farhand", "replay", str(file), "--to-robot", *given]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         try:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from farhand.loopback.site_process import options_of
 from remote_site.session.config import ACCEPTANCE
 
 LIGHT = ("--seconds", "6", "--headless", "--tracker", "markers")
@@ -51,8 +52,7 @@ def install(folder: Path, name: str, program: str, driver: str) -> None:
 
 def loopback(folder: Path, *settings: str) -> subprocess.CompletedProcess[str]:
     """A loopback that finds a folder's packages, ended."""
-    command = [sys.executable, "-m", "farhand", "loopback", *LIGHT]
-    command += [part for setting in settings for part in ("--set", setting)]
+    command = [sys.executable, "-m", "farhand", "loopback", *LIGHT, *options_of(settings)]
     return subprocess.run(
         command,
         check=False,

@@ -7,8 +7,8 @@ import pytest
 
 from common.process.service import StopFlag
 from common.recording.reader import RecordingReader
+from farhand.loopback.measured_run import Loopback
 from farhand.loopback.plan import LoopbackOptions
-from farhand.loopback.run import Loopback
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording.cycle_record import decode_input, decode_outcome
 from remote_site.recording.kept_config import decode_config

@@ -8,23 +8,16 @@ import numpy as np
 from common.clock import NS_PER_MS, FakeClock
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
+from lab.stage.stepped.driver_process import SteppedDriverProcess
 from remote_site.config import RemoteConfig
 from remote_site.drivers.driver import GripperReading, JointCommand, RobotReading
 from remote_site.drivers.kinematic import KinematicDriver
-from remote_site.drivers.link import DriverLink
-from remote_site.drivers.memory import DriverMemory
-from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import DriverSupervisor
-from remote_site.kinematics.limits import load_arm
-from remote_site.runtime.driven_pipeline import DrivenPipeline
-from remote_site.runtime.driver_process import DriverLoop, setup_of
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.session.requests import SessionRequest
 from remote_site.session.samples import NamedSample
 from remote_site.session.state_machine import Answer
 from remote_site.teleop.cycle import Snapshot
-from remote_site.teleop.pipeline import TeleopPipeline
 from tests.remote_site.remote_loop import FOR_EVER_NS, LEASE, START_NS, TICK_NS, hand
 
 CONFIG = RemoteConfig(engagement=EngagementConfig(mode=EngagementMode.ON_REQUEST, frames=8))
@@ -64,16 +57,13 @@ class DrivenLoop:
 
     def __init__(self) -> None:
         self.clock = FakeClock(START_NS)
-        self.robot, memory, setup = MisreadRobot(self.clock), DriverMemory.create(6), setup_of(CONFIG)
-        self.robot.configure(setup)
-        self.supervisor = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
-        self._desk = DriverLoop(self.supervisor, memory, self.clock)
-        model, limits = load_arm(CONFIG.robot)
-        self.link = DriverLink(memory, limits, self.clock)
+        self.robot = MisreadRobot(self.clock)
+        self.process = SteppedDriverProcess(CONFIG, self.robot, self.clock)
+        self.supervisor, self.link = self.process.supervisor, self.process.link
         self.leases = LeaseServer(FOR_EVER_NS, LEASE)
         granted = self.leases.acquire(Holder(7, "operator-7"), self.clock.now_ns())
         assert isinstance(granted, Lease)
-        self.driven = DrivenPipeline(TeleopPipeline(CONFIG, model, limits), self.link)
+        self.driven = self.process.pipeline()
         self.snapshot: Snapshot
         self._ticks = self._seq = 0
 
@@ -94,7 +84,7 @@ class DrivenLoop:
         """One tick of control, with a hand that moves at this speed since the start."""
         for _ in range(2):
             self.clock.advance_ms(TICK_NS / 2 / NS_PER_MS)
-            self._desk.turn()
+            self.process.turn()
         self._ticks += 1
         samples = []
         if self._ticks % TICKS_PER_SAMPLE == 0:

@@ -11,13 +11,13 @@ from common.geometry import Array
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from common.messages.requests import EngagementAction
 from common.messages.robot import GripperCommand, SessionState
+from lab.stage.stepped.kinematic_loop import KinematicLoop
 from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits, load_arm
 from remote_site.kinematics.model import ArmModel
 from remote_site.reasons import Code
-from remote_site.runtime.kinematic_loop import KinematicLoop
 from remote_site.safety.clearance import ClearanceCheck, Workspace
 from remote_site.safety.collision import CollisionModel
 from remote_site.safety.guard import Guard, Passed

@@ -18,7 +18,6 @@ from remote_site.safety.config import SafetyConfig
 from remote_site.safety.guard import Passed
 from remote_site.safety.stopping import stops
 from remote_site.session import requests as requests_module
-from remote_site.session.age_limit import AgeLimit
 from remote_site.session.samples import Accepted, NamedSample, Rejected
 from remote_site.session.state_machine import Session
 from remote_site.teleop.cycle import CycleInput, RobotObservation
@@ -136,13 +135,13 @@ def test_the_first_fault_is_the_one_that_is_shown() -> None:
 
 
 def test_after_a_jump_has_latched_the_hand_is_believed_where_it_is() -> None:
-    validator = SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig()))
+    validator = SampleValidator(SafetyConfig())
     now_ns = 10**10
     results: list[Accepted | Rejected] = []
     for k in range(6):
         now_ns += 33_000_000
         wrist = (0.0, 0.0, 0.3) if k == 0 else (0.9, 0.0, 0.3)
-        results.append(validator.accept(hand(k + 1, now_ns - 8_000_000, wrist), now_ns))
+        results.append(validator.accept(hand(k + 1, now_ns - 8_000_000, wrist), 100_000_000, now_ns))
     codes = [result.reason.code if isinstance(result, Rejected) else None for result in results]
     assert codes == [None, Code.JUMP, Code.JUMP, Code.JUMPS, None, None]
 

@@ -1,1 +1,1 @@
-"""What an import chooses for an arm: start posture, workspace, limits, cell."""
+"""Choices that an import makes for an arm: start posture, workspace, limits, cell."""

@@ -56,7 +56,7 @@ class Grid:
 
     @property
     def size(self) -> Cell:
-        """How many places there are along each axis."""
+        """The number of places along each axis."""
         return _cell(tuple(len(axis) for axis in self.axes))
 
 
@@ -165,7 +165,7 @@ def _cell(numbers: tuple[int, ...]) -> Cell:
 
 
 def _count(sums: NDArray[np.int_], low: Cell, high: Cell) -> int:
-    """How many cells are True from `low` up to, but not at, `high`."""
+    """Count the cells that are True from `low` up to, but not at, `high`."""
     (a, b, c), (d, e, f) = low, high
     return int(
         sums[d, e, f]

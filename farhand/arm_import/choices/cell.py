@@ -31,7 +31,7 @@ def table(reach_m: float) -> FixtureConfig:
 
 
 def margins(near_m: float) -> tuple[float, float]:
-    """What is always kept, and from where the arm slows, m, for an arm that is built with gaps of `near_m`.
+    """Return the least distance and the one from which the arm slows, m, for an arm built with gaps of `near_m`.
 
     Without such gaps these are the defaults. A gap within them would slow the arm wherever it is.
     """
@@ -53,7 +53,7 @@ class JointNumbers:
 
 
 def joint_numbers(joints: tuple[Joint, ...]) -> JointNumbers:
-    """What a simulation needs: as the file states it, else by the efforts that it states."""
+    """Choose the numbers that a simulation needs: as the file states them, else by the efforts that it states."""
     efforts = [joint.limit.effort or 1.0 for joint in joints]
     friction = [float(np.clip(FRICTION_BY_EFFORT * effort, *FRICTIONS)) for effort in efforts]
     return JointNumbers(
@@ -96,7 +96,7 @@ class CellView:
 
 @dataclass(frozen=True, slots=True)
 class CellScene:
-    """What the simulated views show: table, block before the tool, target, and cameras around them."""
+    """The scene of the simulated views: table, block before the tool, target, and cameras around them."""
 
     table_centre_m: tuple[float, float]
     table_size_m: tuple[float, float]

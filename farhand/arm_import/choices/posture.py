@@ -74,12 +74,12 @@ def choose_start(reaching: Reaching, reach_m: float, points: Direction | None, s
 
 
 def _part(scale: float) -> str:
-    """How much of the hand's motion is asked for, where it is not all."""
+    """Say for what part of the hand's motion it is, where it is not all."""
     return f" for {scale:g} of the hand's motion" if scale < 1.0 else ""
 
 
 def _finalists(reaching: Reaching, reach_m: float, points: Direction, show: ShowProgress) -> list[tuple[bool, Array]]:
-    """Whether the tool is turned, and the posture, of the best that differ from each other."""
+    """Find the best postures that differ from each other; each with whether the tool is turned."""
     chosen: list[tuple[bool, Array]] = []
     for _, turned, q in sorted(_candidates(reaching, reach_m, points, show), key=lambda found: found[0]):
         if all(np.abs(q - other).max() > APART_RAD for _, other in chosen):

@@ -28,7 +28,7 @@ PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53)
 
 @dataclass(frozen=True, slots=True)
 class PostureQuality:
-    """How good a posture is: the Jacobian's condition number, the least distance in m, the room to a limit in rad."""
+    """The quality of a posture: the Jacobian's condition number, least distance in m, the room to a limit in rad."""
 
     condition: float
     distance_m: float
@@ -78,7 +78,7 @@ class Reaching:
 
 
 def reach_of(reaching: Reaching) -> float:
-    """How far from the base's axis the tool centre point comes, m."""
+    """Compute how far from the base's axis the tool centre point comes, m."""
     places = [reaching.model.position(q) for q in reaching.postures(REACH_POSTURES)]
     return max(math.hypot(float(place[0]), float(place[1])) for place in places)
 

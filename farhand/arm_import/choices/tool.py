@@ -24,7 +24,7 @@ SHIFTED_M = 0.005
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tool:
-    """How the tool sits: `last_T_mount` (4 x 4) is the frame that carries it, in the last link's frame.
+    """The place of the tool: `last_T_mount` (4 x 4) is the frame that carries it, in the last link's frame.
 
     The tool centre point is GRIPPER_M beyond, along z. `frame` is an existing one, or FRAME. `capsules` are the
     file's tool by link, where it has its `own`, and the flange is not bare. `notes` say what was turned or moved.
@@ -87,12 +87,12 @@ def pose_from(robot: UrdfRobot, link: str, frame: str) -> Array:
 
 
 def _is_tool(points: Sequence[Array]) -> bool:
-    """Whether something that the file fixes to the last link is larger than a mark at the flange."""
+    """Return whether something that the file fixes to the last link is larger than a mark at the flange."""
     return any(len(each) > 0 and float(np.ptp(each, axis=0).max()) > BEYOND_M for each in points)
 
 
 def _end(points: Array, last_T_frame: Array, last_T_link: Array) -> float:
-    """How far points of a link (m x 3) reach beyond a frame along its z, m; -inf without any."""
+    """Compute how far points of a link (m x 3) reach beyond a frame along its z, m; -inf without any."""
     placed = points @ last_T_link[:3, :3].T + last_T_link[:3, 3]
     return float(((placed - last_T_frame[:3, 3]) @ last_T_frame[:3, 2]).max(initial=-math.inf))
 

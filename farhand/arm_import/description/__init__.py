@@ -1,1 +1,1 @@
-"""What a URDF says: its links and joints, where its meshes are, which of it is the arm."""
+"""The contents of a URDF: its links and joints, where its meshes are, which of it is the arm."""

@@ -70,7 +70,7 @@ def choose_arm(
 
 
 def _rooted(whole: UrdfRobot, base: str | None) -> UrdfRobot:
-    """What hangs from `base`."""
+    """Keep only what hangs from `base`."""
     if base is None:
         return whole
     _check_frame(whole, base, "--base")
@@ -145,7 +145,7 @@ def _next_moving(robot: UrdfRobot, link: str) -> list[Joint]:
 
 
 def _depth(robot: UrdfRobot, joint: Joint) -> int:
-    """How many joints of a chain follow each other, this one included."""
+    """Count the joints of a chain that follow each other, this one included."""
     return 1 + max((_depth(robot, after) for after in _next_moving(robot, joint.child)), default=0)
 
 
@@ -213,7 +213,7 @@ def _why(joint: Joint) -> str:
 
 
 def _position(joint: Joint, others: Mapping[str, Joint], positions: Mapping[str, float]) -> float:
-    """Where a joint is locked: as given, where the joint that it follows is, or its position nearest to zero."""
+    """Return where a joint is locked: as given, where the joint that it follows is, or nearest to zero."""
     if joint.kind in FREE:
         return 0.0
     if joint.name in positions:

@@ -72,7 +72,7 @@ class UrdfLink:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """What a joint's <limit> states, None where it does not: rad or m, and their derivatives by s; N m or N."""
+    """The values of a joint's <limit>, None where it states none: rad or m, and their derivatives by s; N m or N."""
 
     lower: float | None = None
     upper: float | None = None

@@ -1,4 +1,4 @@
-"""Where the files are that a URDF names: package://NAME/..., file:///..., or beside the URDF."""
+"""Search for the files that a URDF names: package://NAME/..., file:///..., or beside the URDF."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -192,7 +192,7 @@ def _limit(element: Element | None, where: str) -> Limit:
 
 
 def _is_assumed(element: Element, key: str) -> bool:
-    """Whether an earlier import assumed this, since its maker's file states none."""
+    """Return whether an earlier import assumed this, since its maker's file states none."""
     return key in ASSUMABLE and element.get(key) == element.get(f"{ASSUMED}{key}")
 
 
@@ -204,7 +204,7 @@ def _mimic(element: Element | None, where: str) -> Mimic | None:
 
 
 def _inertial(element: Element | None, where: str) -> Inertial | None:
-    """What the file states; None where it states nothing, or no mass."""
+    """Read mass and inertia as stated; None where the file states nothing, or no mass."""
     mass = None if element is None else element.find("mass")
     inertia = None if element is None else element.find("inertia")
     if element is None or mass is None or inertia is None:

@@ -29,7 +29,7 @@ class Capsule:
         return math.pi * self.radius**2 * (length + 4.0 / 3.0 * self.radius)
 
     def outside(self, points: Array) -> float:
-        """How far the farthest of some points (m x 3) is outside, m; not above 0 where all are inside."""
+        """Compute how far the farthest of some points (m x 3) is outside, m; not above 0 where all are inside."""
         axis = self.end - self.start
         square = float(axis @ axis)
         along = np.clip((points - self.start) @ axis / square, 0.0, 1.0) if square else np.zeros(len(points))

@@ -22,7 +22,7 @@ EMPTY = Inertial(0.1, np.zeros(3), 1e-4 * np.eye(3))
 
 
 def usable(inertial: Inertial | None) -> bool:
-    """Whether mass and inertia are those of a body: positive, no moment above the sum of the two others."""
+    """Return whether mass and inertia are those of a body: positive, no moment above the sum of the two others."""
     if inertial is None or not inertial.mass_kg >= LEAST_MASS_KG or not np.isfinite(inertial.inertia_kg_m2).all():
         return False
     moments = np.linalg.eigvalsh(inertial.inertia_kg_m2)
@@ -119,7 +119,7 @@ def _inertial(link: UrdfLink, shapes: Sequence[Shape], notes: _Notes) -> tuple[I
 
 
 def _visuals(link: UrdfLink, find: FindFile, notes: _Notes) -> list[Shape]:
-    """What MuJoCo can show; instead of visuals that it cannot, the link's collision meshes."""
+    """Return the shapes that MuJoCo can show; instead of visuals that it cannot, the link's collision meshes."""
     kept = [shape for one in link.visuals if (shape := _shown(one, find, notes)) is not None]
     if kept or not link.visuals:
         return kept

@@ -48,7 +48,7 @@ def shown(path: Path) -> Unreadable | None:
 
 
 def _triangles_of_stl(path: Path) -> int:
-    """How many triangles a binary STL file has; 0 where it is none."""
+    """Return how many triangles a binary STL file has; 0 where it is none."""
     with path.open("rb") as file:
         head = file.read(STL_HEAD)
     count = int.from_bytes(head[80:], "little") if len(head) == STL_HEAD else 0

@@ -1,1 +1,1 @@
-"""What an import writes: the arm's URDF, the configuration, the summary."""
+"""Files that an import writes: the arm's URDF, the configuration, the summary."""

@@ -1,4 +1,4 @@
-"""What an import wrote, by SHA-256, at the end of the arm's file: only files that are still so are replaced; pure."""
+"""Digests by SHA-256 of what an import wrote, in the arm's file: only files that still match are replaced; pure."""
 
 import hashlib
 from collections.abc import Mapping
@@ -22,7 +22,7 @@ def digests_in(urdf: bytes) -> dict[str, str]:
 
 
 def is_as_written(name: str, content: bytes, digests: Mapping[str, str]) -> bool:
-    """Whether a file is as it was when these digests were made."""
+    """Return whether a file is as it was when these digests were made."""
     return digests.get(in_xml_comment(name)) == digest(content)
 
 

@@ -1,4 +1,4 @@
-"""What an import did, to be read by who asked for it; pure."""
+"""Summary of what an import did, to be read by who asked for it; pure."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -45,7 +45,7 @@ def summary(design: Design, source: str, written: Written) -> list[str]:
 
 
 def changes(design: Design) -> list[str]:
-    """What differs from the file, what is assumed and what was computed, a line for each."""
+    """List what differs from the file, what is assumed and what was computed, a line for each."""
     prepared = design.prepared
     arm, tool = prepared.arm, prepared.tool
     guessed = "guessed by its name, else --tool FRAME" if arm.guessed else "as given"

@@ -1,4 +1,4 @@
-"""How far a camera's time stamps lag behind a screen's pattern: cross-correlation with a model of the exposure."""
+"""Delay of a camera's time stamps behind a screen's pattern: cross-correlation with a model of the exposure."""
 
 import math
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ RATE_STEP = 0.05  # of a whole period more in all the time
 
 @dataclass(frozen=True, slots=True)
 class Delay:
-    """How long after a change of the screen the time stamps of the frames that show it come.
+    """The time from a change of the screen to the time stamps of the frames that show it.
 
     `uncertainty_ms` is half the interval of delays that explain the frames as well (95 %), or half the time between
     two refreshes of the screen in which no frame was exposed, if that is longer; `correlation` of the

@@ -25,7 +25,7 @@ class PatternScreen(Protocol):
     """A screen that shows the pattern once a person starts it."""
 
     def wait(self, timeout_s: float) -> PageReport | None:
-        """What was drawn; None after the time-out."""
+        """Wait for the report of what was drawn; None after the time-out."""
 
 
 class PatternPage:

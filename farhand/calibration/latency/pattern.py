@@ -1,4 +1,4 @@
-"""What the screen shows and when it showed it: a pseudo-random sequence, and the page's report on this host's clock."""
+"""The screen's pattern and when it was shown: a pseudo-random sequence, and the page's report on this host's clock."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class PageTrip(msgspec.Struct, frozen=True):
 
 
 class PageReport(msgspec.Struct, frozen=True):
-    """What the page has drawn: (time of the animation frame in the page's ms, level from then on), in order."""
+    """The levels that the page drew, in order: (time of the animation frame in the page's ms, level from then on)."""
 
     trips: tuple[PageTrip, ...]
     drawn: tuple[tuple[float, float], ...]

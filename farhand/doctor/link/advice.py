@@ -42,7 +42,7 @@ def judge_links(links: Sequence[LinkFigures], untried: Sequence[Finding], config
 
 
 def describe(link: LinkFigures) -> Finding:
-    """What was measured at one endpoint."""
+    """Describe what was measured at one endpoint."""
     sentence = (
         f"{link.endpoint}: round trip {link.least_ms:.1f} ms at least, {link.median_ms:.1f} median, {link.p99_ms:.1f} "
         f"p99; there {_way(link.there, link.protocol)}; back {_way(link.back, link.protocol)}"
@@ -85,7 +85,7 @@ def needed_limit_ms(link: LinkFigures) -> float:
 
 
 def check_age_limit(link: LinkFigures) -> Finding:
-    """Whether the link can be operated at all, and the age limit that suits it."""
+    """Judge whether the link can be operated at all, with the age limit that suits it."""
     needed_ms = needed_limit_ms(link)
     sentence = f"hand samples will be up to {needed_ms:.0f} ms old"
     if needed_ms > MOST_LIMIT_MS:

@@ -40,7 +40,7 @@ class LoadWindow:
         self._grown_ns, self._least_age_ns = now_ns, LOST_NS
 
     def has_room(self, now_ns: int) -> bool:
-        """Whether more may be sent now."""
+        """Return whether more may be sent now."""
         return self.on_its_way(now_ns) < self._window
 
     def on_its_way(self, now_ns: int) -> int:
@@ -67,7 +67,7 @@ class LoadWindow:
             self._grown_ns, self._least_age_ns = now_ns, LOST_NS
 
     def mbit_s(self) -> float:
-        """What arrived in the later half of the time in which anything did; 0 where hardly anything did."""
+        """Compute the rate, Mbit/s, in the later half of the time in which anything arrived; 0 where hardly any did."""
         if not self._arrived:
             return 0.0
         first_ns, last_ns = self._arrived[0][0], self._arrived[-1][0]
@@ -78,7 +78,7 @@ class LoadWindow:
 
 @dataclass(frozen=True, slots=True)
 class ProbePlan:
-    """How long and how often to probe; while the arm is engaged, at the rate of hand samples, without load."""
+    """The duration and rate of probes; while the arm is engaged, at the rate of hand samples, without load."""
 
     seconds: float = 10.0
     hz: float = 30.0
@@ -88,7 +88,7 @@ class ProbePlan:
 
 @dataclass
 class HeardProbes:
-    """What has come over the link, with the time of arrival (ns)."""
+    """The messages that came over the link, with the time of arrival (ns)."""
 
     echoes: list[tuple[ProbeEcho, int]] = field(default_factory=list)
     loads: list[tuple[ProbeEcho, int]] = field(default_factory=list)
@@ -100,7 +100,7 @@ class HeardProbes:
 
     @property
     def engaged(self) -> bool:
-        """Whether the arm follows, or would follow again."""
+        """Return whether the arm follows, or would follow again."""
         return self.state is not None and self.state.state in FOLLOWING
 
 
@@ -185,7 +185,7 @@ class LinkProber:
         return [heard for heard in list(self._heard.echoes) if heard[0].session == session]
 
     def _carried(self, seconds: float, round_trip_ns: int, *, there: bool) -> float | None:
-        """What the link carries one way, Mbit/s; None while the arm is engaged."""
+        """Measure what the link carries one way, Mbit/s; None while the arm is engaged."""
         session, clock, loads = secrets.randbits(SESSION_BITS), self._clock, self._heard.loads
         begin_ns = clock.now_ns()
         window, end_ns, seq, taken = LoadWindow(round_trip_ns, begin_ns), begin_ns + round(seconds * NS_PER_S), 0, 0

@@ -89,7 +89,7 @@ class Assembly:
         }
 
     def _row(self, episode: KeptEpisode) -> dict[str, Any]:
-        """What the dataset says of an episode."""
+        """Build the dataset's row of an episode."""
         staged, fps = episode.staged, self._shape.fps
         row: dict[str, Any] = {
             "episode_index": episode.number,

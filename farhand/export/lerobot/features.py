@@ -1,4 +1,4 @@
-"""What a frame of the dataset consists of: its columns, by LeRobot's names, and their description; pure."""
+"""Features of a frame of the dataset: its columns, by LeRobot's names, and their description; pure."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
@@ -22,7 +22,7 @@ Column = NDArray[Any]
 
 
 class DatasetShape(NamedTuple):
-    """What all episodes of a dataset have in common."""
+    """The properties that all episodes of a dataset have in common."""
 
     robot: str
     joint_names: tuple[str, ...]

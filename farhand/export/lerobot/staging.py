@@ -1,4 +1,4 @@
-"""Where an export works until it is complete: a folder beside the dataset, from which an interrupted one goes on."""
+"""Staging of an export until it is complete: a folder beside the dataset, from which an interrupted one goes on."""
 
 import fcntl
 import os
@@ -21,7 +21,7 @@ LOCK, JOB, EPISODE, FRAMES = "lock", "job.json", "episode.json", "frames.parquet
 
 
 class ExportJob(msgspec.Struct, frozen=True):
-    """What is exported and how; another job does not go on with what this one has done."""
+    """The export's inputs and settings; another job does not go on with what this one has done."""
 
     sessions: tuple[str, ...]
     views: tuple[str, ...]
@@ -95,11 +95,11 @@ class Staging:
         return msgspec.json.decode(path.read_bytes(), type=StagedEpisode) if path.exists() else None
 
     def frames(self, index: int) -> Path:
-        """Where an episode's frames are."""
+        """Return where an episode's frames are."""
         return self._episode(index) / FRAMES
 
     def video(self, index: int, view: str) -> Path:
-        """Where an episode's pictures of a view are."""
+        """Return where an episode's pictures of a view are."""
         return self._episode(index) / f"{view}{SUFFIX}"
 
     def assembled(self) -> Path:

@@ -49,7 +49,7 @@ def of_pictures(histogram: Histogram, count: int) -> Statistics:
 
 
 def levels_of(picture: Rgb) -> Histogram:
-    """How many pixels of a thinned picture have each level, by channel."""
+    """Count the pixels of a thinned picture that have each level, by channel."""
     step = max(min(picture.shape[:2]) // SMALL_PX, 1)
     thinned = picture[::step, ::step]
     return np.stack([np.bincount(thinned[..., c].ravel(), minlength=LEVELS) for c in range(3)])
@@ -62,5 +62,5 @@ def summed(histograms: Iterable[Histogram]) -> Histogram:
 
 
 def is_sampled(frame: int, expected: int) -> bool:
-    """Whether a frame, of about so many, counts in the statistics of the pictures."""
+    """Return whether a frame, of about so many, counts in the statistics of the pictures."""
     return frame % max(expected // SAMPLES_PER_EPISODE, 1) == 0

@@ -75,7 +75,7 @@ def _described(values: Column) -> dict[str, Any]:
 
 
 def _pandas_index() -> dict[str, Any]:
-    """What pandas wants to know of a table whose index is the task."""
+    """Build what pandas wants to know of a table whose index is the task."""
 
     def column(name: str, kind: str, numpy_type: str) -> dict[str, Any]:
         return {"name": name, "field_name": name, "pandas_type": kind, "numpy_type": numpy_type, "metadata": None}

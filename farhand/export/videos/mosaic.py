@@ -14,7 +14,7 @@ DARK, LIGHT = (24, 24, 28), (235, 235, 235)
 
 
 class MosaicPlan(NamedTuple):
-    """Where the views are: each in a cell (width, height), so many side by side, above `lines` of text."""
+    """The places of the views: each in a cell (width, height), so many side by side, above `lines` of text."""
 
     views: tuple[str, ...]
     cell_px: tuple[int, int]
@@ -22,7 +22,7 @@ class MosaicPlan(NamedTuple):
 
     @property
     def across(self) -> int:
-        """How many cells are side by side."""
+        """The number of cells side by side."""
         return max(int(np.ceil(np.sqrt(len(self.views)))), 1)
 
     @property

@@ -1,4 +1,4 @@
-"""Where a track goes: checked before any work, and opened as results that take its pairs."""
+"""Outputs of a track: checked before any work, and opened as results that take its pairs."""
 
 import csv
 import io
@@ -66,7 +66,7 @@ def annotated_pictures(folder: Path) -> Iterator[Take]:
 
 @dataclass(frozen=True, slots=True)
 class TrackOutputs:
-    """Where a track goes: `out` (JSON lines), and what else is asked for.
+    """The outputs of a track: `out` (JSON lines), and what else is asked for.
 
     `annotate` is a folder for pictures of all pairs, `video` a file for them, `report` a folder, `csv` a file.
     """
@@ -107,7 +107,7 @@ class TrackOutputs:
             check_video("--video", self.video, fps)
 
     def results(self, fps: float | None, origin: Rows) -> list[Result]:
-        """What takes the pairs of a recording of this rate (Hz); nothing is written before it is entered.
+        """Return what takes the pairs of a recording of this rate (Hz); nothing is written before it is entered.
 
         `origin` says, for the report, what the track was made of.
         """
@@ -131,5 +131,5 @@ class TrackOutputs:
 
 
 def _is_file_name(folder: Path | None) -> bool:
-    """Whether what should become a folder has a name like overlay.mp4."""
+    """Return whether what should become a folder has a name like overlay.mp4."""
     return folder is not None and folder.suffix[1:2].isalpha() and not folder.is_dir()

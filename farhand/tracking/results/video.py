@@ -97,7 +97,7 @@ def _writer(path: Path, fps: float, size_px: tuple[int, int]) -> cv2.VideoWriter
 
 
 def _readable(path: Path) -> int:
-    """How many pictures a video states in its index; 0 if it cannot be opened."""
+    """Return how many pictures a video states in its index; 0 if it cannot be opened."""
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG)
     try:
         return int(capture.get(cv2.CAP_PROP_FRAME_COUNT)) if capture.isOpened() else 0

@@ -1,4 +1,4 @@
-"""What a trial may have altered: a part replaced by the truth, or by what the thesis had."""
+"""Alterations of a trial: a part replaced by the truth, or by what the thesis had."""
 
 import dataclasses
 from typing import Literal

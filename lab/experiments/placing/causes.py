@@ -35,7 +35,7 @@ TEXT = (
 
 
 def causes_report(results: Results) -> ExperimentReport:
-    """What came of the trials."""
+    """Report the outcome of the trials."""
     trials = {
         rolls: {name: _of(results, rolls, altered) for name, altered in CAUSES.items()} for rolls in (ROLL_FIXED, FREE)
     }

@@ -1,4 +1,4 @@
-"""What a trial came to, read from the simulation: only the figures are made of it, nobody acts on it."""
+"""Judge of a trial, by the simulation: only the figures are made of it, nobody acts on it."""
 
 from dataclasses import dataclass
 
@@ -59,7 +59,7 @@ class Judge:
             self._lifted = True
 
     def placed(self) -> Placed:
-        """Where the block has been left."""
+        """Measure where the block has been left."""
         rotation, middle = self._pose
         x, y, _ = self._config.block.size_m
         corner = middle + rotation @ np.array([x / 2, -y / 2, 0.0])

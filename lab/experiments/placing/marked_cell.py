@@ -11,8 +11,8 @@ from common.config.loading import load_config
 from common.messages.requests import ViewCalibration
 from farhand.deployment.shipped import HERE
 from lab.experiments.placing.network import Messages, Network
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import SteppedSite
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import SteppedSite
 from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
 from remote_site.video.marker_look import MarkerLook
@@ -29,7 +29,7 @@ def with_markers(config: RemoteConfig) -> RemoteConfig:
 
 
 class CellMarkers:
-    """What the video process knows of the markers, as it comes to control; nothing where no targets are configured."""
+    """The video process's sightings of markers, as they come to control; none where no targets are configured."""
 
     def __init__(self, config: RemoteConfig, site: SteppedSite[SteppedCell]) -> None:
         self._site, self._sightings = (
@@ -47,7 +47,7 @@ class CellMarkers:
             self._look.see(view, frame, self._site.now_ns)
 
     def arrived(self) -> list[MarkerSighting]:
-        """What control learns of them now."""
+        """Return the sightings that reach control now."""
         return [each for sightings in self._sightings.arrived(self._site.now_ns) for each in sightings]
 
     def _publish(self, sightings: Sequence[MarkerSighting]) -> None:

@@ -1,12 +1,12 @@
 """A network between both sites on stepped time: messages that may be lost, and a stream in which none is."""
 
-from collections import deque
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S
+from lab.stage.network.in_transit import InTransit
 
 T = TypeVar("T")
 PACKET_BYTES = 1200
@@ -28,7 +28,7 @@ class Network:
         return round(self.delay_ms * NS_PER_MS)
 
     def sending_ns(self, size: int) -> int:
-        """How long so many bytes take to leave."""
+        """Compute how long so many bytes take to leave, ns."""
         return round(size * 8 * NS_PER_S / (self.mbit_s * 1e6)) if self.mbit_s is not None else 0
 
 
@@ -41,17 +41,17 @@ class Messages(Generic[T]):
 
     def __init__(self, network: Network, rng: np.random.Generator, own_ns: int = 0) -> None:
         self._loss, self.takes_ns, self._rng = network.loss, own_ns + network.delay_ns, rng
-        self._under_way: deque[tuple[int, T]] = deque()
+        self._under_way = InTransit[T]()
         self.newest: T | None = None
 
     def send(self, message: T, now_ns: int) -> None:
         """A message leaves now, and may be lost."""
         if self._rng.random() >= self._loss:
-            self._under_way.append((now_ns + self.takes_ns, message))
+            self._under_way.send(message, now_ns + self.takes_ns)
 
     def arrived(self, now_ns: int) -> list[T]:
         """Take out what has arrived by now, oldest first."""
-        arrived = _due(self._under_way, now_ns)
+        arrived = self._under_way.arrived(now_ns)
         self.newest = arrived[-1] if arrived else self.newest
         return arrived
 
@@ -67,7 +67,7 @@ class Stream(Generic[T]):
         self._network, self._rng, self._own_ns = network, rng, own_ns
         self._buffer_ns = max(BUFFER_NS, network.sending_ns(BUFFER_BYTES))
         self._free_ns = self._last_ns = 0
-        self._under_way: deque[tuple[int, T]] = deque()
+        self._under_way = InTransit[T]()
 
     def send(self, message: T, size: int, now_ns: int) -> None:
         """Send a message of so many bytes."""
@@ -77,11 +77,11 @@ class Stream(Generic[T]):
         self._free_ns = starts_ns
         for _ in range(-(-size // PACKET_BYTES)):
             self._last_ns = max(self._last_ns, self._packet_comes_ns())
-        self._under_way.append((self._last_ns + self._own_ns, message))
+        self._under_way.send(message, self._last_ns + self._own_ns)
 
     def arrived(self, now_ns: int) -> list[T]:
         """Take out what has arrived by now, oldest first."""
-        return _due(self._under_way, now_ns)
+        return self._under_way.arrived(now_ns)
 
     def _packet_comes_ns(self) -> int:
         """Send one packet, as often as it takes; when it has come."""
@@ -90,10 +90,3 @@ class Stream(Generic[T]):
             tries += 1
         self._free_ns += tries * network.sending_ns(PACKET_BYTES)
         return self._free_ns + network.delay_ns + (tries - 1) * (2 * network.delay_ns + AGAIN_NS)
-
-
-def _due(under_way: deque[tuple[int, T]], now_ns: int) -> list[T]:
-    due = []
-    while under_way and under_way[0][0] <= now_ns:
-        due.append(under_way.popleft()[1])
-    return due

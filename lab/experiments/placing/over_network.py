@@ -35,7 +35,7 @@ TEXT = (
 
 
 def network_report(results: Results) -> ExperimentReport:
-    """What came of the trials."""
+    """Report the outcome of the trials."""
     trials = {name: [results[each] for each in results if each.network == of] for name, of in NETWORKS.items()}
     ours: Figures = {name: _figures(of) for name, of in trials.items()}
     return ExperimentReport(

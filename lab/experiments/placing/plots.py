@@ -1,4 +1,4 @@
-"""Where the block was left, trial by trial, and how long it took over each network."""
+"""Plots of where the block was left, trial by trial, and of how long it took over each network."""
 
 from collections.abc import Mapping, Sequence
 

@@ -43,7 +43,7 @@ TEXT = (
 
 
 def placing_report(results: Results) -> ExperimentReport:
-    """What came of the trials."""
+    """Report the outcome of the trials."""
     run = [name for name, (method, _) in SERIES.items() if any(each.method == method for each in results)]
     trials = {rolls: {name: _of(results, rolls, name) for name in run} for rolls in (ROLL_FIXED, FREE)}
     ours: Figures = {rolls: {name: summary(of) for name, of in by_name.items()} for rolls, by_name in trials.items()}

@@ -13,7 +13,7 @@ from common.messages.requests import Description
 from common.messages.video import VideoFrame, ViewsShown
 from farhand.loopback.picture_decoder import PictureDecoder
 from lab.experiments.placing.network import Messages, Network, Stream
-from lab.experiments.stepped.site import LEASE, SESSION
+from lab.stage.stepped.site import LEASE, SESSION
 from lab.visual_operator.shown import ShownView
 from local_site.console.model.page_messages import Painted
 from local_site.console.model.page_messages import Shown as PageShown
@@ -46,7 +46,7 @@ class _Channel:
 
 @dataclass(frozen=True, slots=True)
 class _Report:
-    """What the console tells the video process: what it has shown, and what it cannot decode without a key frame."""
+    """The console's report to the video process: what it has shown, and what it cannot decode without a key frame."""
 
     shown: ViewsShown | None
     wants_after: Mapping[str, int]

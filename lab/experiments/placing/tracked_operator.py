@@ -8,7 +8,7 @@ from common.cameras.camera import Frame
 from common.clock import NS_PER_S
 from common.errors import NotInstalledError
 from common.messages.hand import ClockSync, HandArm, Intent, TrackingStatus
-from lab.experiments.stepped.site import LEASE, SESSION
+from lab.stage.stepped.site import LEASE, SESSION
 from local_site.samples.hand_sample import GestureConfig, HandSampler, OpenHand
 from local_site.samples.smoothing import SmoothingConfig, make_smoother
 from local_site.simulation.cameras import calibrate_simulated
@@ -22,7 +22,7 @@ EXACT_M = 1e-4
 
 
 def is_installed(method: str) -> bool:
-    """Whether a tracker runs here: one for rooms needs models and their runtime."""
+    """Return whether a tracker runs here: one for rooms needs models and their runtime."""
     try:
         make_tracker(calibrate_simulated(SimulationConfig()), TrackingConfig(method=method))
     except NotInstalledError:

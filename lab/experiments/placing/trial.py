@@ -18,8 +18,8 @@ from lab.experiments.placing.marked_cell import CellMarkers, with_markers
 from lab.experiments.placing.network import Messages, Network
 from lab.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
 from lab.experiments.placing.tracked_operator import TrackedOperator
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import OPERATOR, Every, SteppedSite
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import OPERATOR, Every, SteppedSite
 from lab.visual_operator.hand import Motor, ScriptedHand
 from lab.visual_operator.operator import VisualOperator
 from lab.visual_operator.shown import ShownPage, ShownView
@@ -80,7 +80,7 @@ class TrueSight:
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """What differs between trials: the tracker, whether the tool's roll is locked, and everything by chance.
+    """The conditions that differ between trials: tracker, whether the tool's roll is locked, and everything by chance.
 
     `altered` are the parts that are not as they are at a site. Without a `network` both sites are on one host, and all
     pictures come as they are taken. With `assist` the cell has markers, and the operator lets the robot do the last of
@@ -140,7 +140,7 @@ def run_trial(conditions: Conditions) -> TrialResult:
 
 @dataclass
 class _Seen:
-    """What is counted while a trial runs: how often the arm held by itself, and the ages of its oldest views."""
+    """The counts of a running trial: how often the arm held by itself, and the ages of its oldest views."""
 
     holds: int = 0
     ages_ms: list[float] = field(default_factory=list)
@@ -180,7 +180,7 @@ class _Trial:
 
     @property
     def time_s(self) -> float:
-        """How long the trial has lasted."""
+        """The time that the trial has lasted."""
         return (self._site.now_ns - self._start_ns) / NS_PER_S
 
     def step(self) -> None:
@@ -204,7 +204,7 @@ class _Trial:
         self.seen.take(snapshot.state)
 
     def _state(self) -> ShownPage:
-        """What the site publishes now, for a page without views."""
+        """Return what the site publishes now, for a page without views."""
         snapshot, gripper = self._site.snapshot, self._site.gripper
         return ShownPage(
             t_ns=self._site.now_ns,

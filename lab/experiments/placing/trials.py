@@ -79,7 +79,7 @@ def summary(trials: Sequence[TrialResult]) -> Figures:
 
 
 def errors(ends: Sequence[Placed]) -> Figures:
-    """Where blocks were left, off their target, without the sign."""
+    """Sum up how far off their target blocks were left, without the sign."""
     return {name: _quartiles(np.abs([getattr(end, name) for end in ends])) for name in ERRORS}
 
 

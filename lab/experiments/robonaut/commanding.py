@@ -3,8 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from common.cameras.camera import Image
 from common.config.loading import load_config
+from common.geometry import Array
 from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
+from farhand.reports.plate import plate
 from lab.experiments.report import CsvTable, ExperimentReport, Figures, Progress
 from lab.experiments.robonaut.commanded import (
     CommandedHumanoid,
@@ -13,18 +16,20 @@ from lab.experiments.robonaut.commanded import (
     commanded_table,
 )
 from lab.experiments.robonaut.figures.frames import frames_shown, overlays_plate
-from lab.experiments.robonaut.figures.humanoid_views import HumanoidViews
 from lab.experiments.robonaut.figures.plots import motion_plot
 from lab.experiments.robonaut.footage import Footage, Shot, Tracked, render_footage, track_footage
-from lab.experiments.robonaut.grasping.grasping_film import grasping_film
-from lab.experiments.robonaut.grasping.handling import GRASPING, HANDLING_FRAMES, MOVING, Handling
+from lab.experiments.robonaut.grasping import GRASPING, HANDLING_FRAMES, MOVING, Handling, grasping_film
 from local_site.simulation.textured_arm import Scenery
 from local_site.tracking.config import MonocularConfig
 from remote_site.config import RemoteConfig
+from remote_site.simulation.cell import build_cell
+from remote_site.video.cell_cameras import CellRenderer
 
 STILL_FRAMES, QUICK_FRAMES = 35, 45
 CLICK_PX = 1.0  # an operator clicks on whole pixels
 LIVE = MonocularConfig(setting="live")
+VIEWS = ("coronal", "sagittal")
+SIZE_PX, TILE_PX = (480, 480), 320
 TEXT = (
     "An arm grasps a flask (HAZEL-A) and moves one (HAZEL-B) before a bookshelf and one camera, as in the third "
     "experiment of the report Teleoperating ROBONAUT (2002). The palm that the monocular tracker estimates goes "
@@ -60,8 +65,34 @@ SEQUENCES: Mapping[str, HandlingSequence] = {
 }
 
 
+class HumanoidViews:
+    """Renders the humanoid in any posture of its arm, from the front and from its right, as in the report's figure 8.
+
+    CameraError with the cure where EGL is missing.
+    """
+
+    def __init__(self, remote: RemoteConfig) -> None:
+        self._cell = build_cell(remote.simulation, remote.robot, dressed=True)
+        self._at_rest = self._cell.start().qpos.copy()
+        self._renderer = CellRenderer(self._cell, *SIZE_PX)
+
+    def plate(self, postures: Mapping[int, Array]) -> bytes:
+        """The PNG of postures (n,) in rad by number of frame: the coronal views above the sagittal ones."""
+        tiles = [(f"frame {k}, {view}", self._picture(view, q)) for view in VIEWS for k, q in postures.items()]
+        return plate(tiles, len(postures), TILE_PX)
+
+    def close(self) -> None:
+        """Release what the graphics hold; further calls do nothing."""
+        self._renderer.close()
+
+    def _picture(self, view: str, q: Array) -> Image:
+        qpos = self._at_rest.copy()
+        qpos[self._cell.arm] = q
+        return self._renderer.render(self._renderer.view_id(view), qpos)
+
+
 def frame_count(quick: bool) -> int:
-    """How many pictures are rendered, for a progress bar."""
+    """Count the pictures that are rendered, for a progress bar."""
     return len(SEQUENCES) * (STILL_FRAMES + _frames(quick) + 1)
 
 

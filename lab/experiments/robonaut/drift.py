@@ -37,7 +37,7 @@ TEXT = (
 
 
 def frame_count(quick: bool) -> int:
-    """How many pictures are rendered and samples sent, for a progress bar."""
+    """Count the pictures that are rendered and the samples that are sent, for a progress bar."""
     frames = STILL_FRAMES + (QUICK_FRAMES if quick else HAZEL_S_FRAMES)
     return frames * (1 + len(PALMS) * len(COMMANDS))
 

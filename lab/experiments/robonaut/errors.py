@@ -1,4 +1,4 @@
-"""How far the tracked arm is from the true one, in figures, with those of the ROBONAUT report; pure."""
+"""Errors of the tracked arm against the true one, in figures, with those of the ROBONAUT report; pure."""
 
 from itertools import pairwise
 

@@ -19,7 +19,7 @@ from local_site.tracking.tracker import ArmEstimate, View, Views
 
 @dataclass(frozen=True, slots=True)
 class Shot:
-    """What one picture shows: the true arm in the camera's frame, and the poses of all limbs of the film."""
+    """The contents of one picture: the true arm in the camera's frame, and the poses of all limbs of the film."""
 
     arm: TrueArm
     limbs: Sequence[LimbPose]
@@ -75,7 +75,7 @@ def with_occluder(footage: Footage, box: tuple[int, int, int, int], frames: rang
 
 
 def frame_ns(frame: int) -> int:
-    """When a frame of these films is exposed, ns since the first."""
+    """Return when a frame of these films is exposed, ns since the first."""
     return round(frame * NS_PER_S / FRAMES_PER_S)
 
 

@@ -61,7 +61,7 @@ class LensRun:
 
 
 def frame_count(quick: bool) -> int:
-    """How many instants are filmed, for a progress bar."""
+    """Count the instants that are filmed, for a progress bar."""
     return len(LENSES) * (2 * len(PLATE_HEIGHTS_M) + _poses(quick))
 
 

@@ -20,7 +20,7 @@ from local_site.tracking.tracker import ArmEstimate
 
 @dataclass(frozen=True, slots=True)
 class TrackedFilm:
-    """What a tracker measured in the frames that count, and what was true then."""
+    """The tracker's measurements in the frames that count, and the truth of them."""
 
     estimates: Sequence[ArmEstimate]
     truths: Sequence[ArmTruth]

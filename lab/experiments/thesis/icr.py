@@ -111,7 +111,7 @@ class TrackedArc:
 
 
 def frame_count(quick: bool) -> int:
-    """How many frames are filmed, for a progress bar."""
+    """Count the frames that are filmed, for a progress bar."""
     return 2 * sum(recorded.filmed_frames for recorded in _recorded(quick).values())
 
 

@@ -85,7 +85,7 @@ def _point_figures(difference: Array, true_offset: Array) -> Figures:
 
 
 def off_expected_mm(table: Figures, point: str) -> float:
-    """How far the mean total difference of a table is off the expected one, as in the thesis's section 7.2.2."""
+    """Compute how far a table's mean total difference is off the expected one, as in the thesis's section 7.2.2."""
     return abs(float(table["mean"]["total_mm"]) - EXPECTED_MM[point])
 
 

@@ -39,7 +39,7 @@ TEXT = (
 
 
 def frame_count(quick: bool) -> int:
-    """How many frames are filmed, for a progress bar."""
+    """Count the frames that are filmed, for a progress bar."""
     return 2 * crossing("YZ", FRAMES).filmed_frames * len(_planes(quick))
 
 
@@ -86,7 +86,7 @@ def _compared(planes: Mapping[str, Mapping[str, Figures]]) -> Figures:
 
 
 def _means(point: str, tables: Sequence[Figures]) -> Figures:
-    """How far the point is off the expected difference, and its vector error where it is known; means over motions."""
+    """Compute how far the point is off the expected difference, and its known vector error; means over motions."""
     means = {OFF: np.mean([off_expected_mm(table, point) for table in tables])}
     if all(VECTOR in table for table in tables):
         means[VECTOR] = np.mean([table[VECTOR]["mean"] for table in tables])

@@ -25,7 +25,7 @@ PLANES = {"YZ": 0, "XZ": 1, "XY": 2}  # the axis about which a turn stays within
 
 @dataclass(frozen=True, slots=True)
 class Recorded:
-    """What is filmed: the operator's motion, its path, and how many frames at its end are used."""
+    """A film to record: the operator's motion, its path, and how many frames at its end are used."""
 
     motion: MotionConfig
     path: HandPath
@@ -33,12 +33,12 @@ class Recorded:
 
     @property
     def seconds(self) -> float:
-        """How long is filmed, stillness and lead included."""
+        """The length of the film, s, stillness and lead included."""
         return STILL_S + LEAD_S + (self.frames - 1) / FPS
 
     @property
     def filmed_frames(self) -> int:
-        """How many frames are filmed, stillness and lead included."""
+        """The number of frames that are filmed, stillness and lead included."""
         return round(self.seconds * FPS) + 1
 
 

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from common.errors import ConfigError
 from common.geometry import Array
 from lab.films.arm.subdivision import subdivided
 
-MESH = Path(__file__).resolve().parents[3] / "../shared/data/arm_model.npz"
+MESH = Path(__file__).parent / "arm_mesh.npz"  # MakeHuman's, in the public domain: see arm_mesh.LICENSE.md
 MM = 1e-3
 
 Body = Literal["average", "thin", "muscular"]
@@ -61,14 +60,12 @@ class ArmMesh:
 
 
 @lru_cache(maxsize=3)  # as many as there are bodies
-def load_arm_mesh(path: Path, body: Body) -> ArmMesh:
-    """The mesh of a body in a file with quads, weights, bones, and verts, head and tail of each body in mm.
+def load_arm_mesh(body: Body) -> ArmMesh:
+    """Read the mesh of a body, once: it is made finer and shared, nobody changes it.
 
-    It is read and made finer once, and shared: nobody changes it. ConfigError when the file is missing.
+    The file has quads, weights, bones, and verts, head and tail of each body in mm.
     """
-    if not path.exists():
-        raise ConfigError(f"{path} is missing: put the arm's mesh there, it comes with the recordings")
-    with np.load(path, allow_pickle=False) as data:
+    with np.load(MESH, allow_pickle=False) as data:
         quads = np.asarray(data["quads"], np.int32)
         vertices = MM * np.asarray(data[f"verts_{body}"], float)
         fine, fine_quads = subdivided(quads, len(vertices))

@@ -1,4 +1,4 @@
-"""What the filmed arm does: the poses of shoulder, elbow and hand by time, for an arm of given lengths."""
+"""Motions of the filmed arm: the poses of shoulder, elbow and hand by time, for an arm of given lengths."""
 
 import math
 from collections.abc import Callable

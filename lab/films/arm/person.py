@@ -79,7 +79,7 @@ class PersonInMotion:
         return replace(self._body, vertices=self._placed(self._body.vertices) + offset)
 
     def truth(self, t_s: float, offset: Array) -> HandTruth:
-        """What is to be found of the arm, moved by an offset (3,) in m."""
+        """Compute what is to be found of the arm, moved by an offset (3,) in m."""
         person = self._person
         pose = person.motion.pose(t_s)
         found = self._arm.truth(pose, self._angles(pose.openness), self._vertices(t_s))

@@ -1,4 +1,4 @@
-"""How a hand is held: the joints' angles of each posture by name."""
+"""Postures of the hand: the joints' angles of each by name."""
 
 from typing import Literal
 

@@ -42,14 +42,14 @@ def arm_albedo(mesh: ArmMesh, tone: Tone, sleeve_srgb: tuple[int, int, int], see
 
 
 def along_upper_arm(mesh: ArmMesh, rest: Array) -> Array:
-    """Where points (N, 3) at rest lie along the upper arm: 0 at the shoulder, 1 at the elbow and all beyond it."""
+    """Compute where points (N, 3) at rest lie along the upper arm: 0 at the shoulder, 1 at the elbow and beyond it."""
     shoulder, elbow = mesh.heads[mesh.bone("upperarm01")], mesh.heads[mesh.bone("lowerarm01")]
     along: Array = (rest - shoulder) @ (elbow - shoulder) / np.sum((elbow - shoulder) ** 2)
     return np.minimum(along, 1.0)
 
 
 def _nails(mesh: ArmMesh, rest: Array, outward: Array, weights: Array) -> Array:
-    """How much each vertex (F,) is nail: on the back of the last phalanges, towards their end."""
+    """Compute how much each vertex (F,) is nail: on the back of the last phalanges, towards their end."""
     nails, dorsal = np.zeros(len(rest)), mesh.hand_at_rest()[:, 2]
     for digit in range(1, 6):
         bone = mesh.bone(f"finger{digit}-3")

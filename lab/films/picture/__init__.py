@@ -1,1 +1,1 @@
-"""From lit surfaces to pictures: cameras, rasterised layers, and what a sensor makes of them."""
+"""From lit surfaces to pictures: cameras and rasterised layers."""

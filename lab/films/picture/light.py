@@ -55,7 +55,7 @@ def lit(vertices: Array, triangles: Triangles, albedo: Array, lighting: Lighting
 
 
 def _hollowness(vertices: Array, triangles: Triangles, normals: Array) -> Array:
-    """How far (V,) in m the neighbours of each vertex lie outside of its tangent plane, in the mean."""
+    """Compute how far (V,) in m the neighbours of each vertex lie outside of its tangent plane, in the mean."""
     mean, count = np.zeros_like(vertices), np.bincount(triangles.ravel(), minlength=len(vertices))
     for one, other in ((0, 1), (1, 2), (2, 0)):
         for axis in range(3):

@@ -21,7 +21,7 @@ NAMES = ("left", "right", "third", "fourth")
 
 @dataclass(frozen=True, slots=True)
 class Placing:
-    """Where a camera stands: its turn off the middle and its height as an angle in degrees, its distance in m from the
+    """The place of a camera: its turn off the middle and its height as angles in degrees, its distance in m from the
     centre, its focal length in px for a picture 640 px wide, its distortion."""
 
     turn_deg: float

@@ -88,7 +88,7 @@ def _warps(camera: PhysicalCamera, size: tuple[int, int]) -> tuple[Picture, Pict
 
 
 def _distance(gap: float, slopes: Array) -> Array:
-    """How far along a ray with these slopes towards a plane the plane lies; FAR_M when behind."""
+    """Compute how far along a ray with these slopes towards a plane the plane lies; FAR_M when behind."""
     along = gap / np.where(np.abs(slopes) < 1e-9, 1e-9, slopes)
     return np.where(along > 0, np.minimum(along, FAR_M), FAR_M)
 

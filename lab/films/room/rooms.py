@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.errors import CameraError
-from lab.films.arm.arm_mesh import MESH, load_arm_mesh
+from lab.films.arm.arm_mesh import load_arm_mesh
 from lab.films.arm.motions import WRIST, ArmMotion
 from lab.films.arm.posing import PosedArm
 from lab.films.arm.postures import posture_angles
@@ -42,7 +42,7 @@ BESIDE = np.array([-0.10, 0.0, 0.03])  # from the wrist to the middle of the por
 
 def hand_portrait() -> Image:
     """The picture (H, W, 3), BGR."""
-    mesh = load_arm_mesh(MESH, "average")
+    mesh = load_arm_mesh("average")
     pose = ArmMotion("hold", mesh.upper_arm_m, mesh.forearm_m, np.radians(80.0), seed=0).pose(0.0)
     vertices = PosedArm(mesh).vertices(pose, posture_angles("open"))
     window = np.array([-0.5, -0.7, 0.5])

@@ -1,1 +1,1 @@
-"""What a control tick costs."""
+"""The cost of a control tick."""

@@ -1,4 +1,4 @@
-"""What a control tick costs, decode to write, beside Pink with daqp on the same targets; microseconds, one run."""
+"""Cost of a control tick, decode to write, beside Pink with daqp on the same targets; microseconds, one run."""
 
 import gc
 import importlib
@@ -17,9 +17,9 @@ from common.link.channels import HAND
 from common.messages.codec import decode, encode
 from common.messages.hand import ClockSync, HandArm, TrackingStatus
 from lab.stage.processes import PIP, UnavailableError, run_quietly
+from lab.stage.stepped.kinematic_loop import KinematicLoop
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import RobotConfig
-from remote_site.runtime.kinematic_loop import KinematicLoop
 from remote_site.session.lease import Holder, Lease, LeaseStatus
 from remote_site.session.samples import NamedSample
 
@@ -122,7 +122,7 @@ def measure() -> dict[str, float]:
 
 
 def _timed(pink: Pink, block: range, targets: dict[int, Array]) -> list[int]:
-    """What Pink takes for each of these ticks, ns, after the warm-up."""
+    """Measure how long Pink takes for each of these ticks, ns, after the warm-up."""
     spent = []
     for k in block:
         begin_ns = time.perf_counter_ns()

@@ -1,4 +1,4 @@
-"""How old the pictures are that a page paints, and what the browser's processes take for each."""
+"""Ages of the pictures that a page paints, and what the browser's processes take for each."""
 
 import time
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class Painting:
 
 
 def painting(chromium: Chromium, page: Tab, seconds: float) -> Painting:
-    """What the page paints over `seconds` once it has settled."""
+    """Measure what the page paints over `seconds` once it has settled."""
     clock = compare(page)
     watch(page)
     time.sleep(SETTLE_S)

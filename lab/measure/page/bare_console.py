@@ -20,6 +20,7 @@ from common.messages.requests import (
 )
 from common.messages.robot import Asker
 from common.messages.video import KeyFrameRequest, ViewsShown
+from lab.stage.waiting import until
 from local_site.console.config import ServeConfig
 from local_site.console.hub import Hub
 from local_site.console.key_frames import KeyFrames
@@ -109,9 +110,7 @@ class BareConsole:
 
     def __enter__(self) -> Self:
         self._thread.start()
-        deadline = time.monotonic() + START_S
-        while not (self._server is not None and self._server.started) and time.monotonic() < deadline:
-            time.sleep(PERIOD_S)
+        until(lambda: self._server is not None and self._server.started, "the bare console", START_S)
         return self
 
     def __exit__(self, *_: object) -> None:

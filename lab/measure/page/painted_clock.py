@@ -1,4 +1,4 @@
-"""When each picture that the browser paints was exposed, read from the clock drawn into the picture."""
+"""Exposure times of the pictures that the browser paints, read from the clock drawn into each."""
 
 import time
 from collections import defaultdict

@@ -13,7 +13,7 @@ from common.messages.robot import RobotState, SessionState
 from lab.measure.page.ages import Figures, painting
 from lab.measure.page.chromium import Chromium, Tab
 from lab.measure.page.painted_clock import compare
-from lab.measure.page.stand import PageStand, wait
+from lab.measure.page.stand import PageStand
 from lab.stage.processes import child_of, cpu_s, keep_on_core
 
 LATENESS_S = 17.0  # the window over which the control loop takes its lateness percentile
@@ -66,9 +66,9 @@ def stop_figures(stand: PageStand, page: Tab) -> Figures:
     page.evaluate(NOTE_ESCAPE)
     ended_ms, rested_ms = [], []
     for _ in range(STOP_TRIALS):
-        wait("a moving arm", lambda: _engage_until_moving(stand, page))
+        stand.wait("a moving arm", lambda: _engage_until_moving(stand, page))
         page.press("Escape")
-        wait("rest", lambda: _rests(stand))
+        stand.wait("rest", lambda: _rests(stand))
         pressed_ns = round((page.evaluate("window.pressed") + clock.offset_ms) * NS_PER_MS)
         since = [state for state in list(stand.record.states) if state.t_ns > pressed_ns]
         ended_ms.append(_first_ms(since, pressed_ns, lambda _, now: now.code == "stopped"))
@@ -90,7 +90,7 @@ def _first_ms(states: list[RobotState], from_ns: int, is_so: Callable[[RobotStat
 
 
 def _engage_until_moving(stand: PageStand, page: Tab) -> bool:
-    """Whether the arm moves; resets and engages it when it is disengaged."""
+    """Return whether the arm moves; reset and engage it when it is disengaged."""
     state, before = stand.record.states[-1], stand.record.states[-5]
     if state.state is SessionState.DISENGAGED:
         for key in ("r", "e"):
@@ -100,6 +100,6 @@ def _engage_until_moving(stand: PageStand, page: Tab) -> bool:
 
 
 def _rests(stand: PageStand) -> bool:
-    """Whether the arm is stopped and its commanded joint positions have been the same for ten states, 0.2 s."""
+    """Return whether the arm is stopped and its commanded joint positions are the same for ten states, 0.2 s."""
     states = stand.record.states[-10:]
     return all(state.code == "stopped" and state.q_commanded == states[-1].q_commanded for state in states)

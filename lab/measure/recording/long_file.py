@@ -28,7 +28,7 @@ class Kept(NamedTuple):
 
 
 def first_pictures_ns(file: Path) -> dict[str, int]:
-    """When each camera of a recording gave its first picture."""
+    """Read when each camera of a recording gave its first picture."""
     prefix = image_topic("").name
     with RecordingReader(file) as recording:
         kept = [name for name in recording.topics if name.startswith(prefix) and name.count("/") == 2]

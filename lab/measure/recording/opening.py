@@ -1,4 +1,4 @@
-"""How soon a recording is open, its first scene is shown, and another time of it; whole, or cut and repaired; s."""
+"""Times until a recording is open, its first scene is shown, and another time of it; whole, or cut and repaired; s."""
 
 import os
 import time
@@ -52,7 +52,7 @@ class WatchedReplay:
 
 
 def opening_figures(file: Path, folder: Path, at: Sequence[float]) -> dict[str, float]:
-    """Times to open a file, to its first scene, and to those at parts (0 to 1) of its length; the disk is read anew."""
+    """Times to open a file, to its first scene, to those at parts (0 to 1) of its length; read from the disk again."""
     pictures_ns = first_pictures_ns(file)
     first_ns = max(pictures_ns.values()) + AFTER_NS
     figures: dict[str, float] = {}
@@ -99,7 +99,7 @@ def _check_refused(file: Path) -> None:
 
 @contextmanager
 def _timed(figures: dict[str, float], name: str, file: Path) -> Iterator[None]:
-    """How long the block takes while the kernel has nothing of the file in memory."""
+    """Measure how long the block takes while the kernel has nothing of the file in memory."""
     with file.open("rb") as known:
         os.fsync(known.fileno())
         os.posix_fadvise(known.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)

@@ -1,6 +1,5 @@
 """A hand that moves at random, and a wire that loses, delays, duplicates and corrupts its samples; seeded."""
 
-import heapq
 import math
 from dataclasses import dataclass, field
 from random import Random
@@ -21,6 +20,7 @@ from common.messages.hand import (
     PointCovariances,
     TrackingStatus,
 )
+from lab.stage.network.in_transit import InTransit
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.session.samples import NamedSample
 
@@ -73,34 +73,13 @@ class RandomHand:
         return pose
 
 
-class RandomWire:
-    """Delays messages at random: `arrived` returns them in the order in which they come."""
-
-    def __init__(self, rng: Random) -> None:
-        self._rng, self._sent = rng, 0
-        self._in_transit: list[tuple[int, int, NamedSample]] = []
-
-    def send(self, sample: NamedSample, t_ns: int, extra_ms: float) -> None:
-        """Send a sample that arrives up to 15 ms and `extra_ms` later."""
-        self._sent += 1
-        arrival_ns = t_ns + round((self._rng.uniform(1, 15) + extra_ms) * NS_PER_MS)
-        heapq.heappush(self._in_transit, (arrival_ns, self._sent, sample))
-
-    def arrived(self, now_ns: int) -> list[NamedSample]:
-        """The samples that have arrived since the last call."""
-        samples = []
-        while self._in_transit and self._in_transit[0][0] <= now_ns:
-            samples.append(heapq.heappop(self._in_transit)[2])
-        return samples
-
-
 class RandomOperator:
     """The samples of a random hand as they arrive, some of them faulty; `happened` counts the faults by kind."""
 
     def __init__(self, rng: Random, leases: LeaseServer, now_ns: int) -> None:
         self._rng, self.leases = rng, leases
         self._hand = RandomHand(rng)
-        self._wire = RandomWire(rng)
+        self._wire = InTransit[NamedSample](in_order=False)
         self._capture_ns = now_ns
         self._seq = self._toggles = 0
         self._bad, self._until_ns = "", 0
@@ -132,11 +111,15 @@ class RandomOperator:
         sample = NamedSample(self._lease.holder.name, self._corrupted(self._sample(t_ns), kinds))
         if self._bad != "silent":
             extra_ms = self._rng.uniform(30, 600) if "delayed" in kinds else 0.0
-            self._wire.send(sample, t_ns, extra_ms)
+            self._send(sample, t_ns, extra_ms)
         if "doubled" in kinds:
-            self._wire.send(sample, t_ns, self._rng.uniform(0, 200))
+            self._send(sample, t_ns, self._rng.uniform(0, 200))
         if "another operator" in kinds:
-            self._wire.send(self._foreign(sample.sample), t_ns, 0.0)
+            self._send(self._foreign(sample.sample), t_ns, 0.0)
+
+    def _send(self, sample: NamedSample, t_ns: int, extra_ms: float) -> None:
+        """The sample arrives up to 15 ms and `extra_ms` later."""
+        self._wire.send(sample, t_ns + round((self._rng.uniform(1, 15) + extra_ms) * NS_PER_MS))
 
     def _steer(self, kinds: list[str]) -> None:
         rng, settings = self._rng, self._settings

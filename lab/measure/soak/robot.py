@@ -4,40 +4,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from random import Random
 
-from common.clock import NS_PER_MS, NS_PER_S, FakeClock
+from common.clock import NS_PER_MS, FakeClock
 from common.errors import DriverError
 from common.geometry import Array
+from lab.stage.stepped.robots import BEGIN_NS, SteppedCell, SteppedClock, SteppedController, SteppedRobot
 from remote_site.config import RemoteConfig
-from remote_site.drivers.c500c.config import C500cConfig
-from remote_site.drivers.c500c.driver import C500cDriver
-from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation
-from remote_site.drivers.c500c.emulator import EmulatedController
+from remote_site.drivers.c500c.emulator import Emulated
 from remote_site.drivers.driver import Capabilities, Driver, DriverSetup, JointCommand, RobotReading
 from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.drivers.kinematic import KinematicDriver
-from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.kinematics.joints import JointMotion
-from remote_site.simulation.memory import CellMemory
-from remote_site.simulation.process import SimulatedCell
 
-BEGIN_NS = NS_PER_S  # not 0: that stands for no sample
 CALLS_PER_INJECTION = 3000  # on average; a driver is called about a thousand times a second
-
-
-class SteppedCellClock(FakeClock):
-    """A fake clock that steps a simulated cell as its time advances."""
-
-    def __init__(self, cell: SimulatedCell) -> None:
-        super().__init__(BEGIN_NS)
-        self._cell, self._stepped_ns, self._step_ns = cell, BEGIN_NS, round(cell.dt * NS_PER_S)
-
-    def sleep_until_ns(self, deadline_ns: int) -> None:
-        """Advance to a time, ns, with every step of the cell that is due until then."""
-        while self._stepped_ns + self._step_ns <= deadline_ns:
-            self._stepped_ns += self._step_ns
-            self.time_ns = max(self.time_ns, self._stepped_ns)
-            self._cell.step(self._stepped_ns, self._stepped_ns)
-        super().sleep_until_ns(deadline_ns)
 
 
 def kinematic(config: RemoteConfig) -> tuple[FakeClock, Driver]:
@@ -49,16 +27,17 @@ def kinematic(config: RemoteConfig) -> tuple[FakeClock, Driver]:
 
 def simulated(config: RemoteConfig) -> tuple[FakeClock, Driver]:
     """The robot of the simulated cell."""
-    memory = CellMemory.create(len(config.robot.start_deg))
-    clock = SteppedCellClock(SimulatedCell(config.simulation, config.robot, memory))
-    return clock, SimulatedDriver(memory, clock)
+    return _stepped(SteppedCell(config))
 
 
 def c500c(config: RemoteConfig) -> tuple[FakeClock, Driver]:
     """The A465 arm behind an emulated C500C controller, on a serial line that loses one byte in ten thousand."""
-    clock = FakeClock(BEGIN_NS)
-    port = EmulatedPort(Emulation(EmulatedController(config.robot.start), clock.now_ns(), loss=1e-4), clock)
-    return clock, C500cDriver(C500cConfig(), port, clock)
+    return _stepped(SteppedController(config, Emulated(), loss=1e-4))
+
+
+def _stepped(robot: SteppedRobot) -> tuple[FakeClock, Driver]:
+    clock = SteppedClock(robot)
+    return clock, robot.driver(clock)
 
 
 @dataclass

@@ -12,23 +12,16 @@ from common.messages.requests import EngagementAction
 from common.messages.robot import FOLLOWING, SessionState
 from lab.measure.soak.operator import RandomOperator
 from lab.measure.soak.robot import FaultInjectingDriver
+from lab.stage.stepped.driver_process import SteppedDriverProcess
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import Driver, DriverSetup
+from remote_site.drivers.driver import Driver
 from remote_site.drivers.faults import RobotFault
-from remote_site.drivers.link import DriverLink
-from remote_site.drivers.memory import DriverMemory
-from remote_site.drivers.supervisor.grip import GripWatch
-from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
-from remote_site.kinematics.limits import load_arm
-from remote_site.runtime.driven_pipeline import DrivenPipeline
-from remote_site.runtime.driver_process import DriverLoop, grip_settings, setup_of
 from remote_site.runtime.rate import Rate
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.lease import LeaseServer
 from remote_site.session.requests import SessionRequest
 from remote_site.teleop.cycle import Snapshot
-from remote_site.teleop.pipeline import TeleopPipeline
 
 CONFIG = msgspec.structs.replace(RemoteConfig(), engagement=EngagementConfig(mode=EngagementMode.ON_REQUEST, frames=10))
 TURN_NS = 2 * NS_PER_MS
@@ -43,7 +36,7 @@ MakeRobot = Callable[[RemoteConfig], tuple[FakeClock, Driver]]
 
 @dataclass
 class Ticks:
-    """What control decided: when, in which state, when the obeyed sample was captured, 0 while it obeyed none.
+    """The decisions of control: when, in which state, when the obeyed sample was captured, 0 while it obeyed none.
 
     `age_limit_ns` is the age up to which samples were obeyed, `halted_ns` when the newest halt came.
     """
@@ -90,7 +83,7 @@ class StallingTimer:
         self.due_ns = self._rate.next_ns + self._stall_ns()
 
     def _stall_ns(self) -> int:
-        """How late control is for its next deadline."""
+        """Draw how late control is for its next deadline, ns."""
         if self._rng.random() * TICKS_PER_STALL > 1.0:
             return 0
         self.stalls += 1
@@ -98,22 +91,20 @@ class StallingTimer:
         return round(self._rng.uniform(*(LONG_STALL_MS if long else STALL_MS)) * NS_PER_MS)
 
 
-class SteppedDriverProcess:
-    """The driver's process on stepped time: `next_ns` is when its next turn is due."""
+class DriverTurns:
+    """The turns of the driver's process; `next_ns` is when its next is due."""
 
-    def __init__(self, driver: Driver, setup: DriverSetup, memory: DriverMemory, rng: Random, clock: FakeClock) -> None:
-        self._supervisor = DriverSupervisor(driver, setup, clock, memory.busy, GripWatch(grip_settings(CONFIG)))
-        self._loop = DriverLoop(self._supervisor, memory, clock)
-        self._rng, self._clock = rng, clock
+    def __init__(self, process: SteppedDriverProcess, rng: Random, clock: FakeClock) -> None:
+        self._process, self._rng, self._clock = process, rng, clock
         self.next_ns = clock.now_ns()
 
     def turn(self) -> None:
         """Run one turn; the next is due after a short pause, or as soon as the supervisor has something to write."""
-        self._loop.turn()
-        now_ns = self._clock.now_ns()
+        self._process.turn()
+        now_ns, due_ns = self._clock.now_ns(), self._process.supervisor.due_ns
         self.next_ns = now_ns + TURN_NS + round(self._rng.uniform(0, 0.3) * NS_PER_MS)
-        if self._supervisor.due_ns is not None:
-            self.next_ns = min(self.next_ns, max(self._supervisor.due_ns, now_ns))
+        if due_ns is not None:
+            self.next_ns = min(self.next_ns, max(due_ns, now_ns))
 
     def wake(self) -> None:
         """Make the next turn due now."""
@@ -126,31 +117,28 @@ class World:
     def __init__(self, make: MakeRobot, seed: int) -> None:
         self._rng = Random(seed)  # noqa: S311  # the faults need not be secret
         self.clock, driver = make(CONFIG)
-        robot, begin_ns = CONFIG.robot, self.clock.now_ns()
-        self.model, self.limits = load_arm(robot)
         self.driver = FaultInjectingDriver(driver, self._rng, self.clock, self._run_control)
-        setup, memory = setup_of(CONFIG), DriverMemory.create(len(robot.start_deg))
-        self.driver.configure(setup)
-        self._process = SteppedDriverProcess(self.driver, setup, memory, self._rng, self.clock)
-        link = DriverLink(memory, self.limits, self.clock)
+        begin_ns, process = self.clock.now_ns(), SteppedDriverProcess(CONFIG, self.driver, self.clock)
+        self.model, self.limits = process.model, process.limits
+        self._turns = DriverTurns(process, self._rng, self.clock)
         self.operator = RandomOperator(self._rng, LeaseServer(FOR_EVER_NS, 1), begin_ns)
-        self._driven = DrivenPipeline(TeleopPipeline(CONFIG, self.model, self.limits), link)
+        self._driven = process.pipeline()
         self.ticks, self.timer = Ticks(), StallingTimer(self._rng, self.clock)
         self._ask_ns = begin_ns + ASK_NS
-        link.activate(robot.start)
+        process.link.activate(CONFIG.robot.start)
 
     def run(self, seconds: float) -> None:
         """Let this much time pass."""
         end_ns = self.clock.now_ns() + round(seconds * NS_PER_S)
         while self.clock.now_ns() < end_ns:
-            if self.timer.due_ns <= self._process.next_ns:
+            if self.timer.due_ns <= self._turns.next_ns:
                 self._run_control(self.timer.due_ns)
             else:
-                self.clock.sleep_until_ns(self._process.next_ns)
+                self.clock.sleep_until_ns(self._turns.next_ns)
             ticks = len(self.ticks.t_ns)
-            self._process.turn()
+            self._turns.turn()
             if len(self.ticks.t_ns) > ticks:  # every order wakes the process, also one that came while a call was late
-                self._process.wake()
+                self._turns.wake()
 
     def _run_control(self, until_ns: int) -> None:
         """Let time pass for everything but the driver's process."""

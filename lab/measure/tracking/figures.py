@@ -1,4 +1,4 @@
-"""How well a tracker did against the truth: time, gaps, errors, and whether its covariances are consistent; pure."""
+"""Figures of a tracker against the truth: time, gaps, errors, and whether its covariances are consistent; pure."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ NEES, RANK = "normalised error squared (3)", "rank correlation of sigma and erro
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What was made of one pair: the points (3,) in m that were found, their covariances (3, 3) in m², and the cost.
+    """The estimate of one pair: the points (3,) in m that were found, their covariances (3, 3) in m², and the cost.
 
     `is_tracked` is whether it may turn the tool; `toggles` is the count so far, None where openings are not counted;
     `wall_ms` and `processor_ms` are the time that passed and the time computed.
@@ -70,13 +70,13 @@ def flat(figures: TrackingFigures) -> dict[str, float]:
 
 
 def openings(truth: Sequence[ArmTruth]) -> int:
-    """How often the hand opens."""
+    """Count how often the hand opens."""
     is_open = [t.hand_open for t in truth]
     return sum(now and not before for before, now in zip([False, *is_open], is_open, strict=False))
 
 
 def _rotation_figures(found: Sequence[Found], truth: Sequence[ArmTruth]) -> dict[str, float]:
-    """How far the hand's frame is turned from the true one in deg, after a constant offset, while it turns the tool."""
+    """Compute the hand frame's turn from the true one, deg, after a constant offset, while it turns the tool."""
     offsets = []
     for each, true in zip(found, truth, strict=True):
         if true.hand_open or not each.is_tracked or not {"wrist", "index", "thumb"} <= each.points.keys():

@@ -50,7 +50,7 @@ class RealCamera:
         return -self._rotation.T @ self._translation_m, self._rotation[2]
 
     def pixels(self, points: Array) -> Array:
-        """Where it sees points (N, 3) in m, NaN outside its picture (N, 2)."""
+        """Project points (N, 3) in m to where the camera sees them (N, 2), NaN outside its picture."""
         turn, _ = cv2.Rodrigues(self._rotation)
         seen, _ = cv2.projectPoints(points, turn, self._translation_m, self._matrix, self._distortion)
         x, y, z = (points @ self._rotation.T + self._translation_m).T

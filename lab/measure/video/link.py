@@ -5,10 +5,10 @@ import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeVar
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.video import CameraStatus, VideoFrame, ViewCame, ViewShown, ViewsShown
+from lab.stage.network.in_transit import InTransit
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.adaptation import Adaptation
 from remote_site.video.streaming.departures import Departures
@@ -21,7 +21,6 @@ DELAY_MS = 10.0
 MAKE_AND_PAINT_MS = 25.0
 RATE_OF = 128  # pictures, more than there are in a second
 
-T = TypeVar("T")
 Picture = Callable[[str, int, StreamSetting], Encoded]
 
 
@@ -60,8 +59,8 @@ class SimulatedLink:
     holds_bytes: float = math.inf
     delay_ms: float = DELAY_MS
     queue: deque[VideoFrame] = field(default_factory=deque)
-    travelling: deque[tuple[int, VideoFrame]] = field(default_factory=deque)
-    reports: deque[tuple[int, ViewsShown]] = field(default_factory=deque)
+    travelling: InTransit[VideoFrame] = field(default_factory=InTransit)
+    reports: InTransit[ViewsShown] = field(default_factory=InTransit)
     credit_bits: float = 0.0
 
     def put(self, frame: VideoFrame) -> None:
@@ -71,16 +70,16 @@ class SimulatedLink:
 
     @property
     def queued_bytes(self) -> int:
-        """What waits."""
+        """The bytes that wait."""
         return sum(len(waiting.data) for waiting in self.queue)
 
     def put_back(self, report: ViewsShown, now_ns: int) -> None:
         """Send a report the other way, where the link has room."""
-        self.reports.append((self._arrives_ns(now_ns), report))
+        self.reports.send(report, self._arrives_ns(now_ns))
 
     def came_back(self, now_ns: int) -> list[ViewsShown]:
         """The reports that have arrived by now."""
-        return _due(self.reports, now_ns)
+        return self.reports.arrived(now_ns)
 
     def tick(self, now_ns: int) -> list[VideoFrame]:
         """The pictures that arrive by now, one tick after the last call."""
@@ -88,26 +87,18 @@ class SimulatedLink:
         while self.queue and self.credit_bits >= 8 * len(self.queue[0].data):
             frame = self.queue.popleft()
             self.credit_bits -= 8 * len(frame.data)
-            self.travelling.append((self._arrives_ns(now_ns), frame))
+            self.travelling.send(frame, self._arrives_ns(now_ns))
         if not self.queue:
             self.credit_bits = 0.0
-        return _due(self.travelling, now_ns)
+        return self.travelling.arrived(now_ns)
 
     def _arrives_ns(self, now_ns: int) -> int:
         return now_ns + round(self.delay_ms * NS_PER_MS)
 
 
-def _due(waiting: deque[tuple[int, T]], now_ns: int) -> list[T]:
-    """Takes out what is due."""
-    due = []
-    while waiting and waiting[0][0] <= now_ns:
-        due.append(waiting.popleft()[1])
-    return due
-
-
 @dataclass
 class _LinkedView:
-    """What a viewer knows of one camera: when its pictures came, the one that waits, and those that were painted."""
+    """A viewer's knowledge of one camera: when its pictures came, the one that waits, and those that were painted."""
 
     came: VideoFrame
     shown: VideoFrame
@@ -148,7 +139,7 @@ class Viewer:
                 view.shown = frame
 
     def shown(self, now_ns: int) -> dict[str, ViewShown]:
-        """What its console reports."""
+        """Report what its console shows."""
         since_ns, shown = now_ns - NS_PER_S, {}
         for camera, view in self._views.items():
             came_fps = float(sum(t_ns > since_ns for t_ns in view.came_ns))
@@ -189,7 +180,7 @@ class StreamRun:
         self.viewer = Viewer()
         self.now_ns = 0
         self.leaves_ms = self.waited_ms = 0.0
-        self._leaving: deque[tuple[int, VideoFrame]] = deque()
+        self._leaving = InTransit[VideoFrame]()
         self._config = config
         self._picture = picture
         self._reports = reports
@@ -203,7 +194,7 @@ class StreamRun:
             self.now_ns += TICK_NS
             self.adaptation.wait(self.waited_ms)
             self._expose()
-            for frame in _due(self._leaving, self.now_ns):
+            for frame in self._leaving.arrived(self.now_ns):
                 self.link.put(frame)
             for frame in self.link.tick(self.now_ns):
                 self.viewer.take(frame, self.now_ns)
@@ -236,5 +227,5 @@ class StreamRun:
                 seq = next(self._numbers[camera])
                 frame = live_frame(camera, seq, self.now_ns, self._picture(camera, seq, setting))
                 self.adaptation.sent(frame, self.now_ns)
-                self._leaving.append((self.now_ns + round(self.leaves_ms * NS_PER_MS), frame))
+                self._leaving.send(frame, self.now_ns + round(self.leaves_ms * NS_PER_MS))
                 self._departures.put(camera, len(frame.data), self.now_ns)

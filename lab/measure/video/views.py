@@ -1,4 +1,4 @@
-"""What the four views cost in processor time and bytes, and what arrives through links of 20, 5 and 2 Mbit/s."""
+"""Costs of the four views in processor time and bytes, and what arrives through links of 20, 5 and 2 Mbit/s."""
 
 import statistics
 import time
@@ -66,7 +66,7 @@ def measure() -> dict[str, float]:
 
 
 def coding(config: VideoConfig, pictures: Pictures, codec: Codec) -> dict[str, float]:
-    """What a codec takes for noisy pictures of a moving arm where the link is free, and how close they are to it."""
+    """Measure what a codec takes for noisy pictures of a moving arm where the link is free, and how close they stay."""
     cameras, setting = CodedCameras(config, pictures), StreamSetting(config.quality, 1.0, config.fps, codec)
     sizes = [len(cameras.picture(name, seq, setting).data) for seq in range(REPEATS) for name in pictures]
     return {
@@ -102,7 +102,7 @@ def filmed(render: Callable[[Array], Image], posture: Array) -> list[Image]:
 
 
 def carried(config: VideoConfig, pictures: Pictures, mbit_s: float, *, h264: bool) -> dict[str, float]:
-    """What arrives of noisy pictures through a link, at a page that decodes H.264 or does not."""
+    """Measure what arrives of noisy pictures through a link, at a page that decodes H.264 or does not."""
     cameras = CodedCameras(config, pictures)
     run = StreamRun(config, cameras.picture, mbit_s, h264=h264)
     run.link.holds_bytes = HELD_BYTES

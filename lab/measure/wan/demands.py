@@ -1,4 +1,4 @@
-"""What is demanded of each link and of each change, in one table; pure."""
+"""Demands on each link and on each change, in one table; pure."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -43,7 +43,7 @@ class Demand:
 
 
 def verdict(where: str, figure: str, sign: str, value: float | None, bound: float) -> DemandResult:
-    """Whether a figure keeps its bound; one that is missing does not."""
+    """Judge whether a figure keeps its bound; one that is missing does not."""
     kept = value is not None and math.isfinite(value) and (value >= bound if sign == "≥" else value <= bound)
     return DemandResult(where, f"{figure} {sign} {bound:g}", value, bound, kept)
 

@@ -1,4 +1,4 @@
-"""What the states of a run say: following, holds, the hand's lag, the error without it; pure."""
+"""Figures by the states of a run: following, holds, the hand's lag, the error without it; pure."""
 
 from bisect import bisect_right
 from collections import Counter
@@ -25,7 +25,7 @@ Hand = Callable[[int], Array]
 
 @dataclass(frozen=True, slots=True)
 class Copying:
-    """How the tool copies the hand: scale, and the rotation from the operator's frame to the base."""
+    """The tool's motion by the hand's: scale, and the rotation from the operator's frame to the base."""
 
     scale: float
     base_R_operator: Array
@@ -37,11 +37,11 @@ class Copying:
 
 
 def session_figures(states: Sequence[RobotState]) -> Figures:
-    """From the first state that follows to the last: share of time followed, holds, latches, changes, and the reason.
+    """From the first state that follows to the last: fraction followed, holds, latches, changes, and the reason.
 
-    The share counts nothing after a latch as followed. `changes_in_a_second` is the most changes between engaged and
+    The fraction counts nothing after a latch as followed. `changes_in_a_second` is the most changes between engaged and
     holding within any second, `held_for` the codes for which the arm held, with their numbers, `age_limit_ms` the
-    greatest age limit. Where nothing engaged, the share is 0 and `why` is the sentence of the readiness.
+    greatest age limit. Where nothing engaged, the fraction is 0 and `why` is the sentence of the readiness.
     """
     first = next((k for k, state in enumerate(states) if state.state is SessionState.ENGAGED), None)
     if first is None:
@@ -110,7 +110,7 @@ def hand_age_figures(states: Sequence[RobotState], from_ns: int) -> Figures:
 
 
 def machine_figures(states: Sequence[RobotState]) -> Figures:
-    """Whether the machine was quick enough for the run to count: the share of control ticks that were missed."""
+    """Compute the fraction of control ticks that were missed: the machine must be quick enough for the run to count."""
     if len(states) < 2:
         return {"ticks_missed": None}
     first, last = states[0].timing, states[-1].timing
@@ -119,14 +119,14 @@ def machine_figures(states: Sequence[RobotState]) -> Figures:
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """When a link changed, when it was as before again (the same time for a lasting change), ns."""
+    """The time when a link changed, and when it was as before again (the same for a lasting change), ns."""
 
     changed_ns: int
     healed_ns: int
 
 
 def change_figures(states: Sequence[RobotState], span: Span) -> Figures:
-    """What the arm did when the link changed, from the change to the last state.
+    """Compute what the arm did when the link changed, from the change to the last state.
 
     `followed_before` is whether it followed until then, with what `age_limit_before_ms`; `held` and `latched` whether
     it did that since, also after healing: a hold begins once samples are older than that limit. `followed_after_s` is
@@ -157,7 +157,7 @@ def change_figures(states: Sequence[RobotState], span: Span) -> Figures:
 
 
 def ready_after_s(states: Sequence[RobotState], since_ns: int) -> float | None:
-    """How long after a time the arm could first be engaged, or followed; None when it never could."""
+    """Find how long after a time the arm could first be engaged, or followed; None when it never could."""
     return next(((s.t_ns - since_ns) / NS_PER_S for s in states if s.readiness.ready), None)
 
 

@@ -77,7 +77,7 @@ FULL, LINKS = "--full", "--links="
 
 
 def chosen(words: Sequence[str]) -> tuple[tuple[WanLink, ...], tuple[Change, ...]]:
-    """What the words of a command choose: the whole matrix, the links and changes named, else a part of the matrix.
+    """Choose by the words of a command: the whole matrix, the links and changes named, else a part of the matrix.
 
     ValueError for a name that is neither a link's nor a change's.
     """

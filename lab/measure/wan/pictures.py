@@ -1,4 +1,4 @@
-"""What the operator saw of the cell: rate, age and likeness of the pictures that reached the page."""
+"""The operator's pictures of the cell: rate, age and likeness of those that reached the page."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -6,31 +6,28 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
 from common.config.loading import load_config
-from common.errors import ProcessError, TransportError
-from common.geometry import Array, vector_from_rotation
+from common.errors import TransportError
 from common.link.engagement_client import ask_engagement
 from common.link.request_client import RequestClient
 from common.link.transport import open_link
 from common.messages.requests import EngagementAction, Reply
 from common.messages.robot import RobotState, SessionState
 from farhand.loopback.recorder import Recorder
-from farhand.loopback.site_process import SiteProcess
 from lab.measure.wan.setup import CELL, OPERATOR, WanSetup
 from lab.stage.network.command_socket import send
 from lab.stage.network.namespaces import LinkedHosts
 from lab.stage.processes import ROOT, module_command
-from lab.stage.stand_ins.hand_path import ScriptedPath
+from lab.stage.staged_sites import StagedSites
+from lab.stage.stand_ins.commanded_hand import CommandedHand
 from remote_site.config import RemoteConfig
-from remote_site.kinematics.model import ArmModel
 
 MEMORY = "/dev/shm"  # noqa: S108  # nothing on the way of a picture waits for a disk
 START_S = 60.0
-POLL_S = 0.01
 AGAIN_S = 0.2
 CALM_S = 0.7  # until what smooths the hand has come to rest too
 FIGURE_M, FIGURE_HZ = (0.05, 0.04, 0.0), 0.2  # a figure of eight at up to 0.07 m/s, which the arm can follow at 400 ms
@@ -51,12 +48,9 @@ class WanStage:
         self.setup = WanSetup.make(self.folder)
         self._remote = self.setup.remote + (self.setup.watched if watched else ())
         self.network = LinkedHosts()
-        self.path = ScriptedPath.still()
-        self.states: list[RobotState] = []
-        self._processes: dict[str, SiteProcess] = {}
+        self.sites = StagedSites({"PYTHONPATH": str(ROOT), "STATE_DIRECTORY": str(self.folder)})
         self.config = load_config(RemoteConfig, None, self.setup.remote)
-        robot = self.config.robot
-        self._model = ArmModel.from_urdf(robot.urdf, robot.tool_frame, robot.tool_T_tcp)
+        self.hand = CommandedHand(self._socket("hand"), self.config)
 
     def __enter__(self) -> Self:
         with self._stack as stack:
@@ -70,18 +64,25 @@ class WanStage:
     def _start_all(self) -> None:
         self._stack.callback(self.network.close)
         self.network.enter()
+        self._stack.callback(self.sites.end)
         stand_in, beyond = "lab.stage.stand_ins.", self.network.beyond
-        self._start("remote", module_command(stand_in + "played_remote", self._source), self._remote)
-        link = self._stack.enter_context(open_link(connect=(self.setup.control,), security=self.setup.security))
+        self.sites.start("remote", module_command(stand_in + "played_remote", self._source), self._remote)
+        control, security = self.setup.endpoints.control, self.setup.security
+        link = self._stack.enter_context(open_link(connect=(control,), security=security))
         self._client = RequestClient(link, CELL, operator=OPERATOR)
-        self.states = Recorder(link, link, CELL, (), OPERATOR).record.states
+        self.sites.listen(Recorder(link, link, CELL, (), OPERATOR))
         self._wait("the remote site", lambda: self.states)
         local = module_command(stand_in + "scripted_local", self._socket("hand"))
-        self._start("local", [*beyond, *local], self.setup.local)
+        self.sites.start("local", [*beyond, *local], self.setup.local)
         console = module_command(stand_in + "recorded_console", self._socket("console"))
-        self._start("console", [*beyond, *console], self.setup.console)
+        self.sites.start("console", [*beyond, *console], self.setup.console)
         for name in ("hand", "console"):
             self._wait(name, self._socket(name).exists)
+
+    @property
+    def states(self) -> list[RobotState]:
+        """All states that have come, in order."""
+        return self.sites.record.states
 
     @property
     def state(self) -> RobotState:
@@ -101,22 +102,16 @@ class WanStage:
         words = module_command(
             "lab.stage.stand_ins.page_client", self.setup.page_port, self._socket("page"), "--sight", seen
         )
-        self._start("page", [*self.network.beyond, *words])
+        self.sites.start("page", [*self.network.beyond, *words])
         return pictures, seen
 
     def record(self, folder: Path) -> None:
         """Have the remote site's recorder keep all that it does in a folder."""
-        self._start("record", module_command("farhand", "record", "--out", folder), self._remote)
-
-    @property
-    def pids(self) -> dict[str, int]:
-        """The main process of each program that has been started, by name."""
-        return {name: process.pid for name, process in self._processes.items()}
+        self.sites.start("record", module_command("farhand", "record", "--out", folder), self._remote)
 
     def close_page(self) -> None:
         """Close it."""
-        if "page" in self._processes:
-            self._processes.pop("page").end()
+        self.sites.end_named("page")
         send(self._socket("console"), file="")
 
     def engage(self, within_s: float) -> bool:
@@ -125,14 +120,14 @@ class WanStage:
             self._ask(EngagementAction.RESET)
         self.disengage()
         time.sleep(AGAIN_S)
-        self._hand(to=self._pose_of_arm(), seconds=AGAIN_S)
+        self.hand.command(to=self.hand.pose_of(np.array(self.state.q_commanded)), seconds=AGAIN_S)
         time.sleep(CALM_S)
         deadline = time.monotonic() + within_s
         while (answer := self._ask(EngagementAction.ENGAGE)) is None or not answer.done:
             if time.monotonic() > deadline:
                 return False
             time.sleep(AGAIN_S)
-        self._hand(to=(0.0,) * 6, seconds=GLIDE_S, circle_m=FIGURE_M, hz=FIGURE_HZ)
+        self.hand.command(to=(0.0,) * 6, seconds=GLIDE_S, circle_m=FIGURE_M, hz=FIGURE_HZ)
         return True
 
     def disengage(self) -> None:
@@ -146,39 +141,8 @@ class WanStage:
         except TransportError:
             return None
 
-    def _hand(self, **fields: Any) -> None:
-        fields["begun_ns"] = time.monotonic_ns()
-        self.path = self.path.then(fields)
-        send(self._socket("hand"), **fields)
-
-    def _pose_of_arm(self) -> tuple[float, ...]:
-        """The hand's pose (m and rotation vector) that asks for the tool where it is, the arm's start being home."""
-        robot, mapping = self.config.robot, self.config.mapping
-        start, now = (self._model.forward(q) for q in (robot.start, np.array(self.state.q_commanded)))
-        base_R_operator: Array = np.array(mapping.base_R_operator)
-        moved = (now[:3, 3] - start[:3, 3]) @ base_R_operator / mapping.scale
-        turned = vector_from_rotation(now[:3, :3] @ start[:3, :3].T) @ base_R_operator
-        return (*moved.tolist(), *turned.tolist())
-
     def _socket(self, name: str) -> Path:
         return self.folder / f"{name}.socket"
 
-    def _start(self, name: str, command: list[str], settings: tuple[str, ...] = ()) -> None:
-        arguments = [part for setting in settings for part in ("--set", setting)]
-        environment = {"PYTHONPATH": str(ROOT), "STATE_DIRECTORY": str(self.folder)}
-        process = self._processes[name] = SiteProcess(name, [*command, *arguments], environment)
-        self._stack.callback(process.end)
-
-    def check(self) -> None:
-        """ProcessError with its last words where a program has ended."""
-        for name, process in self._processes.items():
-            if process.exit_code is not None:
-                raise ProcessError(f"{name} has ended: {process.last_error()}")
-
     def _wait(self, what: str, is_so: Callable[[], object]) -> None:
-        deadline = time.monotonic() + START_S
-        while not is_so():
-            self.check()
-            if time.monotonic() > deadline:
-                raise ProcessError(f"waited {START_S:g} s in vain for {what}")
-            time.sleep(POLL_S)
+        self.sites.wait(what, is_so, START_S)

@@ -9,7 +9,7 @@ LONGEST = 4096
 
 
 class CommandSocket:
-    """Where a process receives its commands; receiving never waits."""
+    """The socket on which a process receives its commands; receiving never waits."""
 
     def __init__(self, path: str) -> None:
         Path(path).unlink(missing_ok=True)

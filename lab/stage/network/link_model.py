@@ -1,11 +1,10 @@
 """One direction of a network link, packet by packet: bottleneck with a queue, loss, delay and jitter; pure, seeded."""
 
-import heapq
 from dataclasses import dataclass, field
-from itertools import count
 from random import Random
 
 from common.clock import NS_PER_MS
+from lab.stage.network.in_transit import InTransit
 
 LEAST_QUEUE_BYTES = 65536
 JITTER_SIGMAS = 2.0  # standard deviations at which the jitter is cut off
@@ -14,7 +13,7 @@ FLOW = slice(12, 24)  # of an IPv4 packet without options: addresses and ports
 
 @dataclass
 class Impairment:
-    """What a link does to packets, the same in both directions.
+    """The effects of a link on packets, the same in both directions.
 
     The delay is one way, and varies by up to `jitter_ms` to either side: a normal distribution with half of that as its
     standard deviation, cut off there. The packets of a flow keep their order unless the link `reorders`. `loss` and
@@ -48,8 +47,7 @@ class LinkModel:
 
     impairment: Impairment
     rng: Random
-    _order: "count[int]" = field(default_factory=count)
-    _waiting: list[tuple[int, int, bytes]] = field(default_factory=list)
+    _under_way: InTransit[tuple[int, bytes]] = field(default_factory=lambda: InTransit(in_order=False))
     _last_ns: dict[bytes, int] = field(default_factory=dict)
     _free_ns: int = 0
 
@@ -71,22 +69,19 @@ class LinkModel:
 
     def arrived(self, now_ns: int) -> list[tuple[int, bytes]]:
         """The packets due by now in order, each with the time (ns) at which it was due."""
-        due = []
-        while self._waiting and self._waiting[0][0] <= now_ns:
-            due_ns, _, packet = heapq.heappop(self._waiting)
-            due.append((due_ns, packet))
+        due = self._under_way.arrived(now_ns)
         return [] if self.impairment.cut else due
 
     @property
     def due_ns(self) -> int | None:
-        """When the next packet leaves the link; None without one."""
-        return self._waiting[0][0] if self._waiting else None
+        """The time when the next packet leaves the link; None without one."""
+        return self._under_way.next_ns
 
     def _travel(self, packet: bytes, due_ns: int) -> None:
         if not self.impairment.reorders:
             flow = packet[FLOW]
             due_ns = self._last_ns[flow] = max(due_ns, self._last_ns.get(flow, 0))
-        heapq.heappush(self._waiting, (due_ns, next(self._order), packet))
+        self._under_way.send((due_ns, packet), due_ns)
 
     def _delay_ns(self) -> int:
         link, off = self.impairment, 0.0

@@ -10,18 +10,17 @@ import os
 import struct
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 
 from common.process.children import die_with_parent
 from lab.stage.network.command_socket import send
 from lab.stage.processes import ROOT, module_command
+from lab.stage.waiting import until
 
 CLONE_NEWNS, CLONE_NEWNET = 0x00020000, 0x40000000
 MS_BIND, MS_REC, MS_PRIVATE = 4096, 16384, 1 << 18
 TUNSETIFF, IFF_TUN, IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
 HERE, THERE = "10.77.0.1", "10.77.0.2"
-POLL_S = 0.01
 STDERR = 2
 LIBC = ctypes.CDLL(None, use_errno=True)
 
@@ -60,24 +59,22 @@ class LinkedHosts:
         _ip(f"link set there netns {other}")
         for words in ("link set lo up", f"addr add {THERE}/24 dev there", "link set there up"):
             subprocess.run([*self.beyond, "ip", *words.split()], check=True)
-        while not self._commands.exists():
-            time.sleep(POLL_S)
+        until(self._commands.exists, "the link")
 
     @property
     def beyond(self) -> tuple[str, ...]:
-        """What begins a command on the other host."""
+        """The words that begin a command on the other host."""
         return "nsenter", f"--net=/proc/{self._processes[0].pid}/ns/net"
 
     def impair(self, **fields: float) -> None:
-        """What the link does from now on; without fields it is a good one."""
+        """Set what the link does from now on; without fields it is a good one."""
         send(self._commands, **fields)
 
     def report(self) -> list[dict[str, float]]:
-        """What the link has carried in each direction since the last report, and how late (see link_shim)."""
+        """Ask what the link has carried in each direction since the last report, and how late (see link_shim)."""
         report = self._folder / "report"
         send(self._commands, report=str(report))
-        while not report.exists():
-            time.sleep(POLL_S)
+        until(report.exists, "what the link has carried")
         figures: list[dict[str, float]] = json.loads(report.read_text())
         report.unlink()
         return figures

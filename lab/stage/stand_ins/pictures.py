@@ -1,4 +1,4 @@
-"""What arrived at a console and its page, kept in files: whole picture messages, and a line for each one shown."""
+"""Files of what arrived at a console and its page: whole picture messages, and a line for each one shown."""
 
 import struct
 from collections.abc import Iterator

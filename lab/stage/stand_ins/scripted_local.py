@@ -69,7 +69,7 @@ def slewed_clock() -> Iterator[SlewedClock]:
 
 
 class Script:
-    """What the operator's hand and the cameras do, as commanded so far."""
+    """The script of the operator's hand and the cameras, as commanded so far."""
 
     def __init__(self, commands: CommandSocket, clock: SlewedClock) -> None:
         self._commands, self._clock = commands, clock
@@ -80,7 +80,7 @@ class Script:
         self.palm_sigma_m: float | None = None  # None: it measures none, like every tracker of two cameras
 
     def jump(self) -> Array:
-        """How far the next sample is off, m."""
+        """Return how far the next sample is off, m, and count it."""
         self._jumps -= 1
         return self._jump_m if self._jumps >= 0 else np.zeros(3)
 

@@ -1,4 +1,4 @@
-"""Does the placing task once at a console's page: python -m lab.visual_operator.at_console SITTING (in JSON)."""
+"""Does the placing task once at a console's page: python -m lab.visual_operator.at_console SETUP (in JSON)."""
 
 import os
 import sys
@@ -14,9 +14,9 @@ from common.errors import FarhandError, ProcessError
 from common.messages.hand import Locks
 from lab.visual_operator.at_console.console_page import ConsolePage
 from lab.visual_operator.at_console.filmed_hand import FilmedHand
+from lab.visual_operator.at_console.operator_process import OperatorSetup, TrialNotes
 from lab.visual_operator.at_console.page_connection import PageConnection
 from lab.visual_operator.at_console.sight_process import SightProcess
-from lab.visual_operator.at_console.sitting import Sitting, SittingNotes
 from lab.visual_operator.hand import Motor
 from lab.visual_operator.operator import See, VisualOperator
 from lab.visual_operator.task import PlacingTask
@@ -25,14 +25,14 @@ POLL_S = 0.02
 FIFO_PRIORITY = 19  # below tracking
 
 
-def sit(sitting: Sitting) -> SittingNotes:
+def do_task(setup: OperatorSetup) -> TrialNotes:
     """Wait until the page has everything, do the task, and leave; ProcessError when page or patience end."""
     task = PlacingTask()
     with closing(SightProcess(task)) as sight:
         _ask_for_real_time()
-        with PageConnection(sitting.port, sitting.led_by, ConsolePage()) as connection:
-            _wait(connection, sitting.patience_s)
-            return _operate(sitting, connection, task, sight.see)
+        with PageConnection(setup.port, setup.led_by, ConsolePage()) as connection:
+            _wait(connection, setup.patience_s)
+            return _operate(setup, connection, task, sight.see)
 
 
 def _ask_for_real_time() -> None:
@@ -49,16 +49,16 @@ def _wait(connection: PageConnection, patience_s: float) -> None:
         time.sleep(POLL_S)
 
 
-def _operate(sitting: Sitting, connection: PageConnection, task: PlacingTask, see: See) -> SittingNotes:
+def _operate(setup: OperatorSetup, connection: PageConnection, task: PlacingTask, see: See) -> TrialNotes:
     page, start_ns = connection.page, time.monotonic_ns()
     if page.cell is None:
         raise ProcessError("the page has lost the cell's description")
-    hand = FilmedHand(Motor(), sitting.seed, start_ns)
+    hand = FilmedHand(Motor(), setup.seed, start_ns)
     connection.hand = hand.take
-    locks, mapping = Locks(roll=sitting.roll_fixed), page.cell.mapping
+    locks, mapping = Locks(roll=setup.roll_fixed), page.cell.mapping
     operator = VisualOperator(task, see, mapping, hand, locks)
-    notes, due_ns = SittingNotes(start_ns=start_ns), start_ns
-    while not operator.done and due_ns - start_ns < sitting.most_s * NS_PER_S:
+    notes, due_ns = TrialNotes(start_ns=start_ns), start_ns
+    while not operator.done and due_ns - start_ns < setup.most_s * NS_PER_S:
         now_ns = _sleep_until(due_ns)
         if connection.is_over:
             raise ProcessError("the console has closed the page; see its own log for why")
@@ -68,7 +68,7 @@ def _operate(sitting: Sitting, connection: PageConnection, task: PlacingTask, se
             oldest_ns = min(view.capture_ns for view in shown.views.values())
             took_ns = time.monotonic_ns() - now_ns
             notes.add_look((now_ns - oldest_ns) / NS_PER_MS, took_ns / NS_PER_MS, shown.code)
-        due_ns += sitting.page_ns * max(1, -(-(time.monotonic_ns() - due_ns) // sitting.page_ns))
+        due_ns += setup.page_ns * max(1, -(-(time.monotonic_ns() - due_ns) // setup.page_ns))
     return notes.end(operator.notes, time.monotonic_ns(), hand.late)
 
 
@@ -79,12 +79,12 @@ def _sleep_until(due_ns: int) -> int:
 
 def main() -> None:
     """Do the task and write the notes of it."""
-    sitting = msgspec.json.decode(sys.argv[1], type=Sitting)
+    setup = msgspec.json.decode(sys.argv[1], type=OperatorSetup)
     try:
-        notes = sit(sitting)
+        notes = do_task(setup)
     except FarhandError as error:
         sys.exit(f"farhand: {error}")
-    write_atomically(Path(sitting.notes), msgspec.json.encode(notes))
+    write_atomically(Path(setup.notes), msgspec.json.encode(notes))
 
 
 if __name__ == "__main__":

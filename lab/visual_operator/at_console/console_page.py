@@ -93,7 +93,7 @@ class PaintedView(msgspec.Struct, frozen=True):
 
 
 class ConsolePage:
-    """What a console has sent so far. Pictures of the operator are taken and not looked at.
+    """The messages that a console has sent so far. Pictures of the operator are taken and not looked at.
 
     `heard_ms` is the console's time in its newest echo; each beat repeats it. `cell` is the description, None before it
     came; `settings` are those in force, or on their way; `painted` is what a
@@ -158,7 +158,7 @@ class ConsolePage:
         )
 
     def lacks(self) -> str:
-        """What keeps the operator from beginning, in words; empty once nothing does."""
+        """Say what keeps the operator from beginning; empty once nothing does."""
         hello, situation = self._hello, self._situation
         if hello is None or situation is None or situation.seat.page != hello.page:
             return "the controls"

@@ -1,4 +1,4 @@
-"""Where the hand of a simulated operator is, as another program of the operator's host leads it; not for the wire."""
+"""Pose of a simulated operator's hand, as another program of the operator's host leads it; not for the wire."""
 
 from typing import Annotated
 

@@ -56,7 +56,7 @@ class PageConnection:
 
     @property
     def is_over(self) -> bool:
-        """Whether the console has closed the connection."""
+        """Return whether the console has closed the connection."""
         return self._over.is_set()
 
     def _receive(self) -> None:
@@ -110,7 +110,7 @@ class PageConnection:
 
 
 def changed(shown: OperatorSettings | None, wanted: OperatorSettings) -> dict[str, object]:
-    """What a page has to change of the settings that it shows; nothing while it shows none."""
+    """Return what a page has to change of the settings that it shows; nothing while it shows none."""
     if shown is None:
         return {}
     before, after = msgspec.to_builtins(shown), msgspec.to_builtins(wanted)

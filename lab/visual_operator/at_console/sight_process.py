@@ -24,7 +24,7 @@ class SightProcess:
         theirs.close()
 
     def see(self, shown: ShownPage) -> Scene:
-        """What is on a page; ProcessError once the process has died."""
+        """Return what is on a page; ProcessError once the process has died."""
         try:
             self._pipe.send(shown)
             scene: Scene = self._pipe.recv()

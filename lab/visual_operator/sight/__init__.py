@@ -1,1 +1,1 @@
-"""How the visual operator sees: colours, outlines and edges in calibrated views, and the poses of what it knows."""
+"""Sight of the visual operator: colours, outlines and edges in calibrated views, and the poses of what it knows."""

@@ -1,4 +1,4 @@
-"""Where in a view the colour of block, gripper or target is, with the part of the picture that holds it."""
+"""The colour of block, gripper or target in a view, with the part of the picture that holds it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""How strongly each pixel has the colour of a thing that the operator looks for: the same in light and in shade."""
+"""Strength of the colour that the operator looks for, pixel by pixel: the same in light and in shade."""
 
 from collections.abc import Callable, Mapping
 

@@ -86,7 +86,7 @@ class _AllSamples:
         self._clear_px = np.array([max(samples.reach_px, CLEAR_PX) for samples in each])[self._shape]
 
     def misses(self, looked_for: Sequence[Array]) -> Array:
-        """How far inside the colour's end each point is (poses, N), px, where the pose looked for is each of these."""
+        """Compute how far inside the colour's end each point is (poses, N), px, for each of the poses looked for."""
         views = np.array([[seen.view.projection @ seen.placed(pose) for seen in self._seen] for pose in looked_for])
         image = np.einsum("pnij,nj->pni", views[:, self._shape], self._points)
         pixels = image[..., :2] / np.maximum(image[..., 2:], 1e-6)

@@ -43,7 +43,7 @@ class Box(NamedTuple):
         return Box(x, y, right - x, bottom - y)
 
     def touches(self, other: "Box", within: int) -> bool:
-        """Whether two boxes overlap, or nearly."""
+        """Return whether two boxes overlap, or nearly."""
         apart_x = max(self.x - other.x - other.width, other.x - self.x - self.width)
         apart_y = max(self.y - other.y - other.height, other.y - self.y - self.height)
         return max(apart_x, apart_y) <= within

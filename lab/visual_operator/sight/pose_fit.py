@@ -52,7 +52,7 @@ def moved(pose: Array, change: Array) -> Array:
 
 
 def _misses(shape: Array, view: SeenOutline, pose: Array) -> Array:
-    """How much further the outline reaches than the shape would, px, in all directions in which it is seen whole."""
+    """Compute how much further the outline reaches than the shape, px, in all directions in which it is seen whole."""
     points = shape @ pose[:3, :3].T + pose[:3, 3]
     image = points @ view.projection[:, :3].T + view.projection[:, 3]
     pixels = image[:, :2] / np.maximum(image[:, 2:], 1e-6)

@@ -56,7 +56,7 @@ class Sight:
         self._targets: list[Array] = []
 
     def see(self, shown: ShownPage) -> Scene:
-        """What is in the views that stand still, and, where the gripper is, in those that ride on the tool."""
+        """Find what is in the views that stand still, and the gripper also in those that ride on the tool."""
         fixed = [view for view in shown.views.values() if not view.on_tool]
         riding = [view for view in shown.views.values() if view.on_tool]
         if len(self._targets) < TARGET_LOOKS:
@@ -90,7 +90,7 @@ class Sight:
         return _near(shapes, rough, NEAR)
 
     def _find_gripper(self, fixed: Sequence[ShownView], riding: Sequence[ShownView], opening_m: float) -> Array | None:
-        """Near where it was, or anew by the outlines of its fingers, level and turned as before."""
+        """Find it near where it was, else by the outlines of its fingers, level and turned as before."""
         pointed = self._gripper if self._gripper is not None else transform(self._task.base_R_gripper, np.zeros(3))
         found = None
         if self._gripper is not None:
@@ -190,7 +190,7 @@ def _rough(
 
 
 def _middle(seen: Sequence[SeenOutline]) -> Array:
-    """Where the middles of the outlines nearly meet (3,)."""
+    """Compute where the middles of the outlines nearly meet (3,)."""
     rows = []
     for s in seen:
         x, y = s.outline.centre

@@ -1,1 +1,1 @@
-"""What the console knows and decides, without I/O or a clock: latencies, history, the seat, frames for pages."""
+"""State and decisions of the console, without I/O or a clock: latencies, history, the seat, frames for pages."""

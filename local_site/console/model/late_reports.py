@@ -1,4 +1,4 @@
-"""What is late where the remote site says that no page operates, though a page of this console does; pure."""
+"""Reports that come late: where the remote site says that no page operates, though one of this console does; pure."""
 
 from msgspec.structs import replace
 

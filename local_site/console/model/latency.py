@@ -127,5 +127,5 @@ class Latencies:
 
 
 def _is_newer(sample: tuple[int, int], last: tuple[int, int]) -> bool:
-    """Whether a sample, by session and number, has not been counted: a slow robot's states alternate."""
+    """Return whether a sample, by session and number, has not been counted: a slow robot's states alternate."""
     return sample[0] != last[0] or sample[1] > last[1]

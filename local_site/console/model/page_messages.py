@@ -57,7 +57,7 @@ class Painted(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
 
 
 class Shown(PageMessage, frozen=True, tag="shown"):
-    """What the page shows, at 10 Hz, and whether it decodes H.264."""
+    """A report of what the page shows, at 10 Hz, and of whether it decodes H.264."""
 
     h264: bool
     views: Annotated[dict[Name, Painted], Meta(max_length=24)]
@@ -75,7 +75,7 @@ class Ask(PageMessage, frozen=True, tag="ask"):
 
 
 class ShownAsker(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Who asks for the lease, as the page showed it."""
+    """The one who asks for the lease, as the page showed it."""
 
     name: Name
     session: Digits
@@ -106,7 +106,7 @@ class AskRecord(PageMessage, frozen=True, tag="ask_record"):
 
 
 class MarkJoints(PageMessage, frozen=True, tag="mark_joints"):
-    """Where the joints are in the operator's picture, for a tracker of one camera; `id` comes back with the answer."""
+    """The joints in the operator's picture, for a tracker of one camera; `id` comes back with the answer."""
 
     id: Count
     shoulder: PicturePoint
@@ -131,7 +131,7 @@ class NewOrigins(PageMessage, frozen=True, tag="new_origins"):
 
 
 class Play(PageMessage, frozen=True, tag="play"):
-    """How a replay goes on: what is not named stays. `position_s` counts from the recording's beginning."""
+    """The wanted course of a replay: what is not named stays. `position_s` counts from the recording's beginning."""
 
     playing: bool | None = None
     speed: Annotated[float, Meta(ge=0.1, le=16)] | None = None
@@ -139,7 +139,7 @@ class Play(PageMessage, frozen=True, tag="play"):
 
 
 class Steer(PageMessage, frozen=True, tag="steer"):
-    """What the operator changes of scales and locks, within the bounds of the settings; what is not named stays."""
+    """The operator's changes of scales and locks, within the bounds of the settings; what is not named stays."""
 
     scale: Annotated[float, Meta(ge=0.01, le=5)] | None = None
     rotation_scale: Annotated[float, Meta(ge=0, le=2)] | None = None

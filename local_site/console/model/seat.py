@@ -110,23 +110,23 @@ class Seat:
         self._released = False
 
     def reports(self, now_ns: int) -> bool:
-        """Whether a page operates and beats, early enough to count."""
+        """Return whether a page operates and beats, early enough to count."""
         return self.occupant is not None and not self._is_silent(now_ns) and not self._is_late(now_ns)
 
     def late(self, now_ns: int) -> bool:
-        """Whether the operating page beats, but so late that it does not count."""
+        """Return whether the operating page beats, but so late that it does not count."""
         return self.occupant is not None and not self._is_silent(now_ns) and self._is_late(now_ns)
 
     def heard_ago_ns(self, now_ns: int) -> int:
-        """How old the newest word of the console's is that the operating page has answered; 0 without a page."""
+        """Return how old the console's newest word is that the operating page has answered, ns; 0 without a page."""
         return now_ns - self._heard_ns if self._heard_ns is not None else 0
 
     def silent_ns(self, now_ns: int) -> int:
-        """How long ago the operating page's last beat came; 0 without a page."""
+        """Return how long ago the operating page's last beat came, ns; 0 without a page."""
         return now_ns - self._beat_ns if self._beat_ns is not None else 0
 
     def held(self, now_ns: int) -> bool:
-        """Whether the operating page holds its key at this instant."""
+        """Return whether the operating page holds its key at this instant."""
         self._lapse(now_ns)
         return self._down and self._released
 

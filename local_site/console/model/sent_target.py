@@ -1,4 +1,4 @@
-"""Where the tool has been sent: the target of the newest hand sample, before the remote site has answered; pure."""
+"""The target to which the tool was sent by the newest hand sample, before the remote site has answered; pure."""
 
 from collections import deque
 
@@ -33,7 +33,7 @@ class SentTarget:
 
     @property
     def wanted(self) -> Array | None:
-        """Where the hand would have the tool (3,), outside the box too, of the last target; None without one."""
+        """The place (3,) where the hand last wanted the tool, outside the box too; None without a target."""
         return self._wanted
 
     def describe(self, cell: Description) -> None:
@@ -88,7 +88,7 @@ class _Replay:
         self.wanted: Array | None = None
 
     def is_followed(self, sample: HandArm) -> bool:
-        """Whether the arm can follow this sample: it shows the hand, clutch up, and key down where one is needed."""
+        """Return whether the arm can follow this sample: it shows the hand, clutch up, and key down where needed."""
         if sample.status in UNSEEN or shown_position(sample, self._point) is None:
             return False
         intent = sample.intent

@@ -1,4 +1,4 @@
-"""What the operating page has painted, reported to the remote site in that site's own numbers."""
+"""The pictures that the operating page has painted, reported to the remote site in that site's own numbers."""
 
 from collections import deque
 from dataclasses import dataclass, field
@@ -26,7 +26,7 @@ class _Arrivals:
     age_ms: float | None = None
 
     def newest(self, now_ns: int) -> ViewCame | None:
-        """What to report of it; None before the first picture of known age."""
+        """Return what to report of it; None before the first picture of known age."""
         if self.age_ms is None:
             return None
         of_last_second = sum(came_ns > now_ns - NS_PER_S for came_ns in self.came_ns)
@@ -53,7 +53,7 @@ class ShownViews:
         arrivals.age_ms = None if offset_ns is None else max(0.0, (now_ns + offset_ns - frame.capture_ns) / NS_PER_MS)
 
     def message(self, page: Shown, lease: int, now_ns: int) -> ViewsShown | None:
-        """What to publish of the cameras that a page has painted; None too soon after the last, or without any.
+        """Build the report of the cameras that a page has painted; None too soon after the last, or without any.
 
         `lease` is the number of the operator's lease, 0 without one.
         """

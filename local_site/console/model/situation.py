@@ -21,7 +21,7 @@ LEAST = 0.1
 
 
 def loop_delay_ms(picture_ms: float | None, round_trip_ms: float | None) -> float | None:
-    """What link and pictures add between hand and eye: the way there, and the picture's age when it is painted.
+    """Compute the delay between hand and eye, ms: the way there, and the picture's age when it is painted.
 
     The age contains the way back; the way there is half the round trip. None while one of them is not known.
     """
@@ -138,7 +138,7 @@ def _hand_fields(hand: HandArm, received_ns: int, now_ns: int) -> dict[str, Any]
 
 
 def _own_recording(newest: NewestMessages, now_ns: int) -> dict[str, Any] | None:
-    """What the recorder of the operator's own side does, None where none has told lately."""
+    """Return what the recorder of the operator's own side does; None where none has reported lately."""
     if newest.notice is None or now_ns - newest.notice_ns > RECORDING.stale_after_ns:
         return None
     fields: dict[str, Any] = msgspec.to_builtins(newest.notice.state)

@@ -1,6 +1,7 @@
 // One view: its canvas, painted with the newest picture, and the mark of how current it is.
 /** @import { Assist, AssistTarget, Camera, Cell, Painted, PictureHeader, Robot, TimedPose } from "../model/messages.d.ts" */
 /** @import { H264Decoder } from "./h264_decoder.js" */
+/** @import { ViewMessage } from "./picture.js" */
 /** @import { Picture } from "./picture_canvas.js" */
 /** @import { ServerClock } from "./server_clock.js" */
 /** @import { Standing } from "./stale_words.js" */
@@ -8,7 +9,6 @@
 /** @import { ToolPath } from "./tool_path.js" */
 import { ageWords, judge } from "./freshness.js";
 import { decodedJpeg } from "./jpeg.js";
-import { parsePicture } from "./picture.js";
 import { PictureCanvas, sizeOf } from "./picture_canvas.js";
 import { ViewLabels } from "./view_labels.js";
 import { ViewOverlays } from "./view_overlays.js";
@@ -137,9 +137,8 @@ export class View {
   }
 
   /** Take a message of this view; resolves when it is painted or skipped, to false where a key frame is needed.
-   * @type {(bytes: ArrayBuffer) => Promise<boolean>} */
-  async receive(bytes) {
-    const { header, offset, isPicture } = parsePicture(bytes);
+   * @type {(message: ViewMessage) => Promise<boolean>} */
+  async receive({ header, bytes, offset, isPicture }) {
     this.#header = header;
     if (!isPicture) {
       if (header.status === "missing" && this.#isOfOperator) this.#forget();

@@ -113,10 +113,11 @@ export class Views {
   /** Take a picture, and report to the console when the next may come.
    * @type {(bytes: ArrayBuffer) => Promise<void>} */
   async receive(bytes) {
-    const { header: { view: name }, isPicture } = parsePicture(bytes);
-    if (isPicture) this.#received.add(name);
+    const message = parsePicture(bytes);
+    const name = message.header.view;
+    if (message.isPicture) this.#received.add(name);
     try {
-      if ((await this.#views.get(name)?.receive(bytes)) === false) this.#send({ type: "lost", view: name });
+      if ((await this.#views.get(name)?.receive(message)) === false) this.#send({ type: "lost", view: name });
     } finally {
       this.#send({ type: "taken", view: name });
     }

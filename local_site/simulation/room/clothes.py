@@ -1,4 +1,4 @@
-"""What the operator wears: a shirt about shoulder and chest, and its sleeve, which begins where the bare arm ends."""
+"""The operator's clothes: a shirt about shoulder and chest, and its sleeve, which begins where the bare arm ends."""
 
 import numpy as np
 
@@ -70,7 +70,7 @@ class Shirt:
 
 
 def is_before(sleeve: ShadedBody, centre: Array) -> bool:
-    """Whether a camera at `centre` (3,) in m sees the sleeve before the arm's end, not the arm before the sleeve."""
+    """Return whether a camera at `centre` (3,) in m sees the sleeve before the arm's end, not the other way round."""
     rim, shoulder = sleeve.solid.rim.mean(axis=0), sleeve.solid.centres[0]
     return bool((centre - rim) @ (shoulder - rim) > 0.0)
 

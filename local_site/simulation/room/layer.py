@@ -29,7 +29,7 @@ class ShadedBody:
 
 @dataclass(frozen=True, slots=True)
 class ShadedLayer:
-    """What is laid on a box of the picture: (H, W, 4), BGR times cover, and cover."""
+    """A picture to lay on a box of another: (H, W, 4), BGR times cover, and cover."""
 
     box: Box
     picture: Image
@@ -54,7 +54,7 @@ class Brush:
             layer.lay_on(image)
 
     def layer(self, exposures: Sequence[ShadedBody]) -> "ShadedLayer | None":
-        """What `draw` lays on the picture, to be kept while nothing moves; None when it is out of view."""
+        """Return what `draw` lays on the picture, to be kept while nothing moves; None when it is out of view."""
         outlines = [project(body.solid, self._camera, FILL_EXCESS_PX) for body in exposures]
         box = box_around(outlines, int(np.ceil(3.0 * self._blur_px)) + 2, self._size)
         if box is None:

@@ -1,4 +1,4 @@
-"""What only looks like skin or a hand: boards of wood in skin's colours, a poster of a hand."""
+"""Things that only look like skin or a hand: boards of wood in skin's colours, a poster of a hand."""
 
 import numpy as np
 

@@ -56,7 +56,7 @@ def room_views(cameras: Sequence[PinholeCamera], body: ArmBody, config: Simulati
 
 
 class RoomView:
-    """What one camera sees of the operator and of an office's `panels`; `seed` decides about its noise.
+    """One camera's view of the operator and of an office's `panels`; `seed` decides about its noise.
 
     Noise is drawn once and shifted about at random from frame to frame.
     """
@@ -130,7 +130,7 @@ def _in_view(centre: Array) -> BodyPose:
 
 
 def _noise(size: tuple[int, int], sigma: float, random: np.random.Generator) -> tuple[Image, Image]:
-    """What noise adds and what it takes away, (H, W, 3) each; two sums of bytes are faster than one of integers."""
+    """Draw what noise adds and takes away, (H, W, 3) each; two sums of bytes are faster than one of integers."""
     shape = size[1] + NOISE_ROOM_PX, size[0] + NOISE_ROOM_PX, 3
     noise = np.rint(sigma * random.standard_normal(shape, dtype=np.float32))
     return np.maximum(noise, 0).astype(np.uint8), np.maximum(-noise, 0).astype(np.uint8)

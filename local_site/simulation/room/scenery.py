@@ -29,7 +29,7 @@ def draw_office(panels: Sequence[Panel], camera: PinholeCamera, size: tuple[int,
 
 
 def office(random: np.random.Generator, also: Collection[DisturbanceName] = ()) -> list[Panel]:
-    """What stands in it, the farthest first; `also` wood and the poster of a hand, which are part of it."""
+    """Build what stands in it, the farthest first; `also` wood and the poster of a hand, which are part of it."""
     floor = surroundings.floor(random, FLOOR_PX_PER_M, WALL_WIDTH, WALL_Y + 1.0)
     wall = surroundings.wall(random, PX_PER_M, WALL_WIDTH, WALL_TOP_Z - FLOOR_Z)
     panels = [

@@ -50,7 +50,7 @@ class Lamps:
 
 
 class Shader:
-    """Shades what one camera sees; keeps its working memory, since the system is slow to give so much anew."""
+    """Shades what one camera sees; keeps its working memory, since the system is slow to give so much each time."""
 
     def __init__(self, lamps: Lamps, size: tuple[int, int]) -> None:
         self._lamps = lamps
@@ -58,7 +58,7 @@ class Shader:
         self._sums = np.empty(size[0] * size[1] * SUMS, np.float32)
 
     def shade(self, balls: SeenBalls, coat: Coat, cover: Image) -> Image:
-        """What the camera sees of the balls: BGR times cover, and cover, (H, W, 4) for a cover (H, W) of 0 to 255.
+        """Shade the balls for the camera: BGR times cover, and cover, (H, W, 4) for a cover (H, W) of 0 to 255.
 
         Covered pixels just beyond the balls look like their neighbours.
         """
@@ -84,7 +84,7 @@ def lay_on(picture: Image, layer: Image) -> None:
 
 
 def _openness(nearest: Field, sigma_px: float) -> Field:
-    """How much light from all sides reaches each pixel (H, W): less where its surroundings are nearer to the camera."""
+    """Compute how much light from all sides reaches each pixel (H, W): less where its surroundings are nearer."""
     height, width = nearest.shape
     size = max(1, width // COARSE), max(1, height // COARSE)
     few = cv2.resize(nearest, size, interpolation=cv2.INTER_NEAREST)

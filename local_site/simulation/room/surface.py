@@ -22,7 +22,7 @@ STRETCHED = BodyPose(np.zeros(3), np.array([0.0, 0.1, -0.3]), np.array([0.3, 0.0
 
 @dataclass(frozen=True, slots=True)
 class Coat:
-    """What M balls look like: reflectances (M, 3), blue first, on the palm's side and on the back, and where one
+    """The look of M balls: reflectances (M, 3), blue first, on the palm's side and on the back, and where one
     becomes the other: `turn` (M, 2) is a + b cos(angle between normal and back), cut off at 0 and 1."""
 
     palm: Array

@@ -148,7 +148,7 @@ def _edge(grey: NDArray[np.uint8], level: float, ray: tuple[float, float, float,
 
 @compiled
 def _within(grey: NDArray[np.uint8], x: float, y: float) -> bool:
-    """Whether a position in px lies within the picture."""
+    """Return whether a position in px lies within the picture."""
     height, width = grey.shape
     return bool(0.0 <= x <= width - 1.0 and 0.0 <= y <= height - 1.0)
 

@@ -30,14 +30,14 @@ class Silhouette:
     picture: NDArray[np.uint8] | None = None
 
     def touches_border(self, points: Array) -> NDArray[np.bool_]:
-        """Which pixels (N, 2) lie on the image border, (N,)."""
+        """Return which pixels (N, 2) lie on the image border, (N,)."""
         height, width = self.grey.shape
         touching: NDArray[np.bool_] = np.any((points <= 1) | (points >= (width - 2, height - 2)), axis=1)
         return touching
 
     @property
     def at_border(self) -> bool:
-        """Whether the image border cuts the arm."""
+        """Return whether the image border cuts the arm."""
         return bool(self.touches_border(self.contour).any())
 
 
@@ -118,7 +118,7 @@ def _robust(histogram: Array, levels: Array) -> tuple[float, float]:
 
 
 def _unimodal(histogram: Array, background: float, arm: float) -> bool:
-    """Whether the smoothed histogram never rises again between the background's peak and the arm's mean."""
+    """Return whether the smoothed histogram never rises again between the background's peak and the arm's mean."""
     smooth = cv2.GaussianBlur(histogram[None, :], (0, 0), SMOOTHING_LEVELS)[0]
     start = round(background)
     valley = start + int(np.argmin(smooth[start : max(round(arm), start + 1)]))

@@ -64,7 +64,7 @@ class ViewMeter:
 
 
 def picture_problem(image: Image, camera: CameraCalibration) -> str:
-    """Why a picture cannot be one of this camera's, else empty."""
+    """Say why a picture cannot be one of this camera's; empty if it can."""
     is_picture = image.dtype == np.uint8 and image.ndim in (2, 3) and min(image.shape) > 0
     if not is_picture or min(image.shape[:2]) < MIN_SIDE_PX:
         return "the picture is too small or of a wrong kind"
@@ -84,7 +84,7 @@ def features_of(silhouette: Silhouette, guess: Posture | None) -> Features | str
 
 
 def overlay_of(camera: CameraCalibration, view: Features, points: Sequence[Array]) -> Overlay:
-    """What to draw over a view: its outline and lines, and points (3,) in m: elbow, wrist, then index and thumb."""
+    """Build what to draw over a view: outline and lines, and points (3,) in m: elbow, wrist, then index and thumb."""
     upper = view.upper_arm
     elbow, wrist, index, thumb, *_ = (*camera.distort_pixels(project(camera.matrix, np.array(points))), None, None)
     forearm_line = _seen_part(view.silhouette, view.forearm.at(0.0), view.guess.wrist)

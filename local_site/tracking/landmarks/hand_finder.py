@@ -36,7 +36,7 @@ class HandFinder:
 
     @property
     def sees_room(self) -> bool:
-        """Whether no hand is in the pictures, or only what stands as still as a poster and no two views agree on."""
+        """Return whether the pictures show no hand, or only what is still as a poster and no two views agree on."""
         return self._sees_room
 
     @property

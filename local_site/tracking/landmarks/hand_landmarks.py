@@ -29,7 +29,7 @@ class HandLandmarks:
     carried: bool = False
 
     def for_side(self, right_arm: bool) -> float:
-        """How much it looks like a hand of a side, from 0 to 1."""
+        """Return how much it looks like a hand of a side, from 0 to 1."""
         return self.right if right_arm else 1.0 - self.right
 
     def next_crop(self) -> Crop:

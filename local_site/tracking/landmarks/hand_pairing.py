@@ -1,4 +1,4 @@
-"""Which hands of the views are the same one, and where its landmarks are."""
+"""Pairing of hands: which ones of the views are the same hand, and where its landmarks are."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -31,12 +31,12 @@ class SeenHand:
 
     @property
     def right(self) -> float:
-        """How much it looks like a right hand, from 0 to 1."""
+        """Return how much it looks like a right hand, from 0 to 1."""
         return float(np.mean([hand.right for hand in self.views.values()]))
 
     @property
     def score(self) -> float:
-        """How sure the least sure view is that it sees a hand, from 0 to 1."""
+        """Return how sure the least sure view is that it sees a hand, from 0 to 1."""
         return min(hand.score for hand in self.views.values())
 
     @property

@@ -48,7 +48,7 @@ def service_cache() -> str:
 
 
 def model_folder(service: str | None = None) -> Path:
-    """Where the models lie: in the service's cache folder, which is this process's if not given, else in the user's."""
+    """Return the models' folder: in the service's cache, which is this process's if not given, else in the user's."""
     cache = service_cache() if service is None else service
     if cache:
         return Path(cache) / "models"

@@ -17,7 +17,7 @@ from local_site.tracking.landmarks.view_hands import ViewHands
 
 
 def view_hands(rig: Rig, right_arm: bool) -> list[ViewHands]:
-    """What watches each of the rig's cameras for hands; ModelError when models or runtime are missing."""
+    """Make what watches each of the rig's cameras for hands; ModelError when models or runtime are missing."""
     return [ViewHands(camera, ViewFollower(*_networks()), right_arm) for camera in rig.cameras]
 
 

@@ -1,4 +1,4 @@
-"""Which hand it is, a right or a left one, by what all views have shown over the last instants."""
+"""Evidence of the hand's side, right or left: what all views have shown over the last instants."""
 
 from collections import deque
 from statistics import fmean
@@ -20,13 +20,13 @@ class SideEvidence:
 
     @property
     def is_sure(self) -> bool:
-        """Whether enough has been seen to take the hand for the operator's."""
+        """Return whether enough has been seen to take the hand for the operator's."""
         beyond = fmean(self._seen) - 0.5 if self._seen else 0.0
         return beyond > SURE and len(self._seen) >= (ENOUGH_IF_CLEAR if beyond > CLEAR else ENOUGH)
 
     @property
     def is_other(self) -> bool:
-        """Whether enough has been seen to take it for the other hand."""
+        """Return whether enough has been seen to take it for the other hand."""
         return len(self._seen) >= ENOUGH_IF_CLEAR and fmean(self._seen) < 0.5
 
     def forget(self) -> None:

@@ -1,4 +1,4 @@
-"""Whether what looks like a hand stands as still as a picture of one."""
+"""Hands that stand still: what looks like a hand may be a picture of one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ REMEMBERED = 8
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Place:
-    """Where the middle (2,) in px of a hand of a view was seen first, and when."""
+    """The place (2,) in px where the middle of a hand of a view was seen first, and when."""
 
     view: int
     middle: Array
@@ -30,7 +30,7 @@ class StillHands:
         self._places: list[_Place] = []
 
     def are_all(self, t_ns: int, hands: Sequence[Sequence[HandLandmarks]]) -> bool:
-        """Whether each of these hands, by view, has been where it is now for long."""
+        """Return whether each of these hands, by view, has been where it is now for long."""
         seen = [self._place(t_ns, view, hand) for view, found in enumerate(hands) for hand in found]
         others = [place for place in self._places if place not in seen]
         self._places = [*others, *seen][-REMEMBERED:]

@@ -49,7 +49,7 @@ class ViewFollower:
 
     @property
     def is_following(self) -> bool:
-        """Whether it knows where the hand is."""
+        """Return whether it knows where the hand is."""
         return self._crop is not None
 
     def follow(self, image: Image, *, quickly: bool) -> HandLandmarks | None:
@@ -97,6 +97,6 @@ class ViewFollower:
 
 
 def _is_same(one: HandLandmarks, other: HandLandmarks) -> bool:
-    """Whether two results are the same hand: their middles lie within half a crop."""
+    """Return whether two results are the same hand: their middles lie within half a crop."""
     apart = float(np.linalg.norm(one.points.mean(axis=0) - other.points.mean(axis=0)))
     return apart < 0.25 * (one.crop.side_px + other.crop.side_px)

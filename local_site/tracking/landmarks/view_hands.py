@@ -54,7 +54,7 @@ class ViewHands:
         return other if better else seen
 
     def side(self, hand: HandLandmarks) -> float:
-        """How much it looks like a hand of the operator's side, from 0 to 1."""
+        """Return how much it looks like a hand of the operator's side, from 0 to 1."""
         return hand.for_side(self._right_arm)
 
     def keep(self, hand: HandLandmarks) -> None:
@@ -67,7 +67,7 @@ class ViewHands:
 
     @property
     def is_following(self) -> bool:
-        """Whether it knows where the hand is."""
+        """Return whether it knows where the hand is."""
         return self._follower.is_following
 
     def _follow(self, frame: Frame, *, quickly: bool) -> HandLandmarks | str:

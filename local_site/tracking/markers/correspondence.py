@@ -1,4 +1,4 @@
-"""Which spots of several views are the same marker: those with a small reprojection error of a common point."""
+"""Correspondence of spots: one marker are those of several views with a small reprojection error of a common point."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

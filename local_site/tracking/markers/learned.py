@@ -1,4 +1,4 @@
-"""What is known of a marked hand: distances and sizes of its markers, when it counts as open, the last positions."""
+"""Knowledge of a marked hand: distances and sizes of its markers, when it counts as open, the last positions."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Learning:
 
     @property
     def count(self) -> int:
-        """How many instants it has."""
+        """Return how many instants it has."""
         return len(self._lengths)
 
     def learn(self, points: Array, sizes: Array) -> MarkedHand | None:
@@ -55,7 +55,7 @@ def span_lengths(points: Array) -> Array:
 
 
 def is_open(points: Array, spans: Spans, open_ratio: float, was_open: bool) -> bool:
-    """Whether the markers (3, 3) are those of an open hand; where index or thumb is missing, as it was.
+    """Return whether the markers (3, 3) are those of an open hand; where index or thumb is missing, as it was.
 
     When the fingers spread, the thumb goes away from the index and nearer to the radial side of the wrist. So the
     ratio of its distances from both is compared with the learned one, with hysteresis.

@@ -26,7 +26,7 @@ MAX_SIGMA_M = 0.015
 
 
 class Quality:
-    """When to doubt or refuse the measured markers: by the residuals usual for this rig, and its calibrated volume.
+    """Doubts and refusals of the measured markers, by the residuals usual for this rig and its calibrated volume.
 
     `gate_px` is the largest reprojection error in px at which spots are taken for one marker.
     """
@@ -39,7 +39,7 @@ class Quality:
         self.gate_px = GATE * self._usual_px
 
     def out_of_sync(self, sightings: Sequence[Sighting | None]) -> bool:
-        """Whether the reprojection errors are too large for one instant and one calibration."""
+        """Return whether the reprojection errors are too large for one instant and one calibration."""
         return self._residual_px(sightings) > REFUSED * self._usual_px
 
     def epipolar_px(self, sightings: Sequence[Sighting | None], spots: Sequence[Spots]) -> float | None:
@@ -57,7 +57,7 @@ class Quality:
     def remarks(
         self, sightings: Sequence[Sighting | None], identity: MarkerIdentity, spots: Sequence[Spots]
     ) -> list[str]:
-        """Why a result is less certain than usual, or incomplete, a sentence each."""
+        """Say why a result is less certain than usual, or incomplete, a sentence each."""
         remarks = [self._remark(*it) for it in zip(ROLES, sightings, identity.chosen, identity.doubtful, strict=True)]
         if self._residual_px(sightings) > DOUBTED * self._usual_px:
             remarks.append("the views fit badly: they may be out of sync")

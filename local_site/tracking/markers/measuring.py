@@ -89,7 +89,7 @@ class Sighting:
 
     @property
     def is_whole(self) -> bool:
-        """Whether all views that see the marker show all of it and nothing bright beside it."""
+        """Return whether all views that see the marker show all of it and nothing bright beside it."""
         seen = self.fractions[np.isfinite(self.fractions)]
         return bool(np.all((seen >= WHOLE[0]) & (seen <= WHOLE[1])))
 

@@ -91,7 +91,7 @@ def _huber(deviation: float, huber: float) -> tuple[float, float]:
 
 @compiled
 def _fill_light(row: Array, reflectance: float, normal: Array, light: Array) -> float:
-    """How the intensity error changes with the light, into the last four of `row`; returns the light at the point."""
+    """Fill the last four of `row`: how the intensity error changes with the light; return the light at the point."""
     row[MOTION], lit = reflectance, light[0]
     for k in range(3):
         row[MOTION + 1 + k] = reflectance * normal[k]

@@ -45,7 +45,7 @@ def sides_of(profile: Profile, link: Link, lens: Lens) -> Array:
 
 
 def hidden(points: Array, sides: Array) -> Mask:
-    """Which pixels (..., 2) lie well inside a link's outline (2, N, 2)."""
+    """Return which pixels (..., 2) lie well inside a link's outline (2, N, 2)."""
     outline = np.concatenate([sides[0], sides[1, ::-1]]).astype(np.float32)[:, None]
     inside = [cv2.pointPolygonTest(outline, (x, y), True) > INSIDE_PX for x, y in points.reshape(-1, 2).tolist()]
     return np.array(inside).reshape(points.shape[:-1])
@@ -165,7 +165,7 @@ class OutlineFitter:
         ]
 
     def _seen(self, unknowns: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
-        """Which points of both links' outlines lie in the picture and not inside the other link."""
+        """Return which points of both links' outlines lie in the picture and not inside the other link."""
         upper, forearm = self._sides(unknowns)
         return _inside(upper, shape) & ~hidden(upper, forearm), _inside(forearm, shape) & ~hidden(forearm, upper)
 

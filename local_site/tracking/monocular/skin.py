@@ -46,7 +46,7 @@ class Skin:
         return Surface(self.points[seen], self.normals[seen], (self.coarse if is_coarse else self.fine)[seen])
 
     def unknown(self, points: Array) -> Mask:
-        """Which points (N, 3) in m of the link are not learned yet."""
+        """Return which points (N, 3) in m of the link are not learned yet."""
         result: Mask = ~self._known[self._cells(points)]
         return result
 
@@ -70,7 +70,7 @@ class Skin:
 def _in_view(
     points: Array, normals: Array, link: tuple[Array, Array], view: tuple[Array, Array, Array], least: float, every: int
 ) -> Mask:
-    """Which points, of each `every`-th, are visible by the map of 1 / depth (H, W) in 1/m; outside it none is."""
+    """Find which points, of each `every`-th, are visible by the map of 1 / depth (H, W) in 1/m; outside it none is."""
     joint, rotation = link
     focal, principal, inverse_depth = view
     height, width = inverse_depth.shape

@@ -78,7 +78,7 @@ class SilhouetteStart:
 
 
 def problem_of(fit: OutlineFit, features: Features) -> str:
-    """Why a pose is not a valid start, as a sentence with its cure, or an empty string."""
+    """Say why a pose is not a valid start, in a sentence with its cure; empty if it is."""
     if min(fit.points) < MIN_POINTS:
         return "too little of the arm's outline is visible to start: bring upper arm, forearm and hand into the picture"
     if fit.rms_px > max(MAX_RMS_PX, MAX_RMS * features.half_width):

@@ -41,7 +41,7 @@ class SeenArm:
 
 @dataclass(frozen=True, slots=True)
 class NoArm:
-    """Why no arm was found, with the epipolar residual in px if that is the reason."""
+    """The reason why no arm was found, with the epipolar residual in px if it is that."""
 
     reason: str
     residual_px: float | None = None
@@ -103,7 +103,7 @@ class ArmFinder:
         return {k: view for k, view in hands.items() if view is not None}
 
     def evidence(self, arm: SeenArm) -> LimbEvidence:
-        """What the limbs show of the hand."""
+        """Return what the limbs show of the hand."""
         far_end = triangulate(self.matrices(arm.seen), [_farthest(f) for f in arm.features])
         along = arm.joints.wrist - arm.joints.elbow
         axis = along / max(float(np.linalg.norm(along)), 1e-6)
@@ -112,11 +112,11 @@ class ArmFinder:
         return LimbEvidence(arm.joints.wrist, wrist_covariance, arm.joints.elbow, far_end)
 
     def sleeve(self, arm: SeenArm) -> Array | None:
-        """Where the sleeve ends (3,) in m; None where it is not seen."""
+        """Find where the sleeve ends (3,) in m; None where it is not seen."""
         return sleeve_end(self.matrices(arm.seen), arm.features)
 
     def overlays(self, arm: SeenArm, points: Sequence[Array]) -> tuple[Overlay, ...]:
-        """What to draw over each view; points (3,) in m are elbow and wrist, and index and thumb where known."""
+        """Build what to draw over each view; points (3,) in m are elbow and wrist, and index and thumb where known."""
         seen = dict(zip(arm.seen, arm.features, strict=True))
         return tuple(meter.overlay(seen[k], points) if k in seen else Overlay() for k, meter in enumerate(self._meters))
 

@@ -68,7 +68,7 @@ class HandTracker:
 
     @property
     def known(self) -> bool:
-        """Whether the operator's hand has been learned."""
+        """Return whether the operator's hand has been learned."""
         return self._habits.learned >= self._initial_pairs
 
     @property

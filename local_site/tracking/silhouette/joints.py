@@ -120,8 +120,8 @@ def _links(body: Body, sleeve: Array | None) -> Array:
 
 @compiled
 def upper_arm_direction(views: Limbs, elbow: Array, far_end: Array) -> tuple[bool, Array]:
-    """Whether it is known, and the unit vector (3,) from the elbow to the shoulder: the intersection of the planes of
-    the upper arm's lines.
+    """Find whether it is known, and the unit vector (3,) from the elbow to the shoulder: where the planes of the upper
+    arm's lines intersect.
 
     If the planes nearly coincide, as for an upper arm parallel to the baseline, or one view alone shows it, it is the
     direction in that plane to the far end (3,) in m.
@@ -185,7 +185,7 @@ def wrist_covariance(joints: Joints) -> Array:
 
 @compiled
 def _flesh(views: Limbs, elbow: Array, wrist: Array, upper_arm: Array) -> Array:
-    """What the flesh adds (3, 3); `upper_arm` (3,) is a unit vector from the elbow, zero where it is not known."""
+    """Compute what the flesh adds (3, 3); `upper_arm` (3,) is a unit vector from the elbow, zero where not known."""
     half_width = 0.0
     for k in range(len(views)):
         half_width += views[k].half_width / px_per_m(views[k], elbow) / len(views)

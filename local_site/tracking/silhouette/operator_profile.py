@@ -36,7 +36,7 @@ class OperatorProfile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
     @property
     def habits(self) -> Belief:
-        """How the hand is held, with its information."""
+        """The usual hold of the hand, with its information."""
         return Belief(np.array(self.posture), np.array(self.information))
 
 
@@ -52,7 +52,7 @@ def make_profile(scale: float, habits: Belief, forearm_length_m: float, pairs: i
 
 
 def profile_mistakes(profile: OperatorProfile) -> list[str]:
-    """What is wrong with a profile; msgspec has checked types, lengths and sizes."""
+    """List what is wrong with a profile; msgspec has checked types, lengths and sizes."""
     mistakes = []
     angles, sizes = profile.posture[:PALM], profile.posture[PALM:]
     if not all(abs(angle) < MAX_ANGLE for angle in angles) or not all(abs(size) < MAX_LOG_SIZE for size in sizes):
@@ -71,7 +71,7 @@ CLEARLY_WORSE = 1.2
 
 
 def looks_like_the_other_arm(views: Sequence[HandView], arm: LimbEvidence, right_arm: bool) -> bool:
-    """Whether an average hand of the other arm explains the outlines clearly better than one of this arm.
+    """Return whether an average hand of the other arm explains the outlines clearly better than one of this arm.
 
     In exchanged and mirrored pictures a right arm looks like a left one. Both are searched for with the same effort.
     Thumb and index look alike on both arms: the curled fingers on the palm's side decide.
@@ -102,7 +102,7 @@ class BodyLearning:
 
     @property
     def profile(self) -> OperatorProfile | None:
-        """What has been learned of the operator in all runs, None until this one has learned the arm and the hand."""
+        """The operator as learned in all runs, None until this one has learned the arm and the hand."""
         length, hand = self.body.forearm_length, self.hand.learned
         if length is None or hand is None:
             return None

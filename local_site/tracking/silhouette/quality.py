@@ -1,4 +1,4 @@
-"""Whether two silhouettes show the same arm at the same instant, and when to doubt or refuse a measurement."""
+"""Judgement of silhouettes: whether two show the same arm at one instant, and when to doubt or refuse a measurement."""
 
 import math
 from collections.abc import Sequence
@@ -93,7 +93,7 @@ def _nearest_side(contour: Array, line: Array) -> float:
 
 
 def objection(joints: Joints | None) -> TrackingReason | None:
-    """Why the joints cannot be used at all."""
+    """Say why the joints cannot be used at all; None if they can."""
     if joints is None:
         return TrackingReason.NO_ARM
     if joints.misfit > MAX_MISFIT:
@@ -104,7 +104,7 @@ def objection(joints: Joints | None) -> TrackingReason | None:
 
 
 def doubts(rig: Rig, views: Limbs, features: Sequence[Features], joints: Joints) -> list[TrackingReason]:
-    """Why elbow and wrist are less certain than usual."""
+    """List why elbow and wrist are less certain than usual."""
     reasons = []
     bends = [(f.upper_arm.direction, f.forearm.direction) for f in features if f.upper_arm is not None]
     if not bends:

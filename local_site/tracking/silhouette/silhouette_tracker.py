@@ -41,7 +41,7 @@ class SilhouetteTracker:
 
     @property
     def profile(self) -> OperatorProfile | None:
-        """What has been learned of the operator in all runs, None until this one has learned the arm and the hand."""
+        """The operator as learned in all runs, None until this one has learned the arm and the hand."""
         return self._learning.profile
 
     def track(self, views: Views) -> ArmEstimate:

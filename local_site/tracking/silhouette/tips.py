@@ -138,7 +138,7 @@ def _settle(
 
 @compiled
 def _shows(view: HandView, landmark: int) -> bool:
-    """Whether the view has a landmark, by its number."""
+    """Return whether the view has a landmark, by its number."""
     return len(view.landmarks) > 0 and not np.isnan(view.landmarks[landmark, 0])
 
 

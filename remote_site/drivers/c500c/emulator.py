@@ -100,7 +100,7 @@ class EmulatedController:
 
     @property
     def _cut(self) -> Fault:
-        """Why the arm is without power, Fault.NONE when it has it."""
+        """The reason why the arm is without power, Fault.NONE when it has it."""
         if self.emergency_stop:
             return Fault.EMERGENCY_STOP
         return Fault.NONE if self.arm_power else Fault.ARM_POWER

@@ -30,7 +30,7 @@ class _Request:
 
 
 class TransmitQueue:
-    """What waits for the line: a halt goes before an activation, an activation before the setpoints in their order.
+    """The queue for the line: a halt goes before an activation, an activation before the setpoints in their order.
 
     No setpoint is left out: the arm would make two steps in the time of one. But none outlives a halt or an activation:
     it would move the arm and its gripper as was commanded before.
@@ -42,7 +42,7 @@ class TransmitQueue:
         self._retry_ns = 0
 
     def __contains__(self, kind: Kind) -> bool:
-        """Whether a halt or an activation waits."""
+        """Return whether a halt or an activation waits."""
         return kind in self._urgent
 
     def append(self, kind: Kind, payload: bytes) -> None:
@@ -99,7 +99,7 @@ class Exchange:
         self._queue.append(kind, payload)
 
     def is_pending(self, kind: Kind) -> bool:
-        """Whether this has not been answered yet."""
+        """Return whether this has not been answered yet."""
         return kind in self._queue or (self._pending is not None and self._pending.frame.kind == kind)
 
     def pump(self, now_ns: int) -> None:

@@ -1,4 +1,4 @@
-"""How the emulated controller plays its queue: a setpoint a period, smooth, reversing only at setpoints; pure."""
+"""The emulated controller's play of its queue: a setpoint a period, smooth, reversing only at setpoints; pure."""
 
 from collections import deque
 from dataclasses import dataclass, field

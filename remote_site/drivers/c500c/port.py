@@ -24,7 +24,7 @@ class SerialPort:
         self._handle = handle
 
     def read(self) -> bytes:
-        """What has arrived, b"" without anything; DriverError when the device is gone.
+        """Read what has arrived, b"" without anything; DriverError when the device is gone.
 
         Bytes are counted first: to read or poll an empty line waits for the kernel's worker that moves its bytes, even
         of a non-blocking device, and on a busy machine that takes longer than a call may.

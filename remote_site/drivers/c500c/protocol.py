@@ -19,7 +19,7 @@ RAD = 1e-6
 
 
 class Kind(IntEnum):
-    """What the host asks, and the controller's one answer."""
+    """The kinds of frame: what the host asks, and the controller's one answer."""
 
     POLL = 1
     ACTIVATE = 2
@@ -39,7 +39,7 @@ class Flag(IntFlag):
 
 
 class Fault(IntEnum):
-    """Why the controller takes no setpoints."""
+    """The reasons why the controller takes no setpoints."""
 
     NONE = 0
     WATCHDOG = 1
@@ -141,7 +141,7 @@ class Setpoint:
 
 @dataclass(frozen=True, slots=True)
 class Activation:
-    """Where the arm is assumed to be, rad, and the period of the setpoints to come, ms; `count` as in `Setpoint`."""
+    """The place where the arm is assumed, rad, and the period of setpoints to come, ms; `count` as in `Setpoint`."""
 
     count: int
     joints: tuple[float, ...]

@@ -23,7 +23,7 @@ class SlowCall:
 
     @property
     def own_ns(self) -> int:
-        """What the driver took of it."""
+        """The time that the driver itself took of it, ns."""
         return self.took_ns - self.paused_ns
 
     def __str__(self) -> str:

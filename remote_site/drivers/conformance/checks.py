@@ -1,4 +1,4 @@
-"""What every driver must do, check by check, in the order in which they run; each gets a driver of its own."""
+"""The checks that every driver must pass, in the order in which they run; each gets a driver of its own."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""What a driver's calls must do: come in their order, refuse what does not fit, and not wait."""
+"""Checks of a driver's calls: they come in their order, refuse what does not fit, and do not wait."""
 
 from dataclasses import replace
 

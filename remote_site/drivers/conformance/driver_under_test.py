@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 class CallMonitor:
-    """Which call of a driver is running; other threads may read it."""
+    """The driver's call that is running; other threads may read it."""
 
     def __init__(self) -> None:
         self._clock = MonotonicClock()  # a call hangs in real time, whatever the trial's clock

@@ -1,4 +1,4 @@
-"""What several checks expect of the arm's motion; each failure names the joint, what was expected, and what came."""
+"""Expectations of the arm's motion; each failure names the joint, what was expected, and what came."""
 
 from collections.abc import Sequence
 

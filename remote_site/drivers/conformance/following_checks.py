@@ -1,4 +1,4 @@
-"""How a robot must follow: every joint, as far, as soon, as often and as fast as it is commanded."""
+"""Checks of how a robot follows: every joint, as far, as soon, as often and as fast as it is commanded."""
 
 import numpy as np
 

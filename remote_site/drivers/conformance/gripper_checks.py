@@ -1,4 +1,4 @@
-"""What a driver's gripper must do: obey OPEN and CLOSED soon or never, and with KEEP hold whatever it holds."""
+"""Checks of a driver's gripper: it obeys OPEN and CLOSED soon or never, and with KEEP holds whatever it holds."""
 
 from collections.abc import Sequence
 

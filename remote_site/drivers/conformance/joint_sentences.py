@@ -1,4 +1,4 @@
-"""What is wrong with which joint: names, and positions in rad as expected and as read; pure."""
+"""Sentences that say what is wrong with which joint: names, and positions in rad as expected and as read; pure."""
 
 from collections.abc import Sequence
 
@@ -23,7 +23,7 @@ def moved(names: Sequence[str], before: Array, after: Array) -> str:
 
 
 def wrong_way(names: Sequence[str], begin: Array, goal: Array, measured: Array) -> str:
-    """Which joints move as with a wrong sign, all (n,) in rad; "" without one.
+    """Say which joints move as with a wrong sign, all (n,) in rad; "" without one.
 
     They have gone away from their goal, to its mirror image at where they began or at zero.
     """
@@ -38,13 +38,13 @@ def wrong_way(names: Sequence[str], begin: Array, goal: Array, measured: Array) 
 
 
 def unlike_in_sign(names: Sequence[str], given: Array, read: Array) -> str:
-    """Which joints are read at the mirror image of where they were activated, both (n,) in rad; "" without one."""
+    """Say which joints are read at the mirror image of where they were activated, both (n,) in rad; "" without one."""
     wrong = ", ".join(names[int(k)] for k in np.flatnonzero(mirrored(given, read)))
     return f"activate and read differ in the sign of {wrong}" if wrong else ""
 
 
 def mirrored(expected: Array, measured: Array) -> npt.NDArray[np.bool_]:
-    """Which joints (n,) are much nearer to the mirror image, at zero, of where they are expected."""
+    """Return which joints (n,) are much nearer to the mirror image, at zero, of where they are expected."""
     off = np.abs(measured - expected)
     near: npt.NDArray[np.bool_] = (off > SEEN_RAD) & (off > MIRRORED * np.abs(measured + expected))
     return near

@@ -1,4 +1,4 @@
-"""What a machine keeps from a thread: the wait for a processor, and processors that a host lent to other machines.
+"""Time that a machine keeps from a thread: its wait for a processor, and processors that a host lent to other machines.
 
 Both are the kernel's own counts of time in which a thread could have run and did not. A thread that sleeps or blocks,
 with Python's lock or without, waits in no queue, and one that computes runs: so no driver can pass its own time off as
@@ -41,14 +41,14 @@ class MachineTimes:
     stolen_ns: tuple[int, ...] = ()
 
     def paused_ns(self, since: "MachineTimes") -> int:
-        """How long the machine kept this thread since then, at least, ns."""
+        """Return how long the machine kept this thread from running since then, at least, ns."""
         ran_ns = self.process_ns - since.process_ns
         others_ns = ran_ns - (self.thread_ns - since.thread_ns)
         # the largest, not the sum: what two counts show may be the same time
         return max(0, self.queued_ns - since.queued_ns - others_ns, *_rises(self.stolen_ns, since.stolen_ns))
 
     def stood_still_ns(self, since: "MachineTimes") -> int:
-        """How long it kept this thread, or a process that is watched, since then, at least, ns."""
+        """Return how long it kept this thread, or a process that is watched, from running since then, at least, ns."""
         ran_ns = self.process_ns - since.process_ns
         waits = (wait_ns - ran_ns for wait_ns in _rises(self.watched_ns, since.watched_ns))
         return max(0, self.paused_ns(since), *waits)
@@ -113,7 +113,7 @@ def machine_pauses(watched: Sequence[int] = ()) -> Iterator[PauseMeter]:
 
 
 def counts_pauses() -> bool:
-    """Whether this kernel counts how long a thread waits for a processor."""
+    """Return whether this kernel counts how long a thread waits for a processor."""
     try:
         return QUEUED.read_text(encoding="ascii").split() != ["0", "0", "0"]  # a thread that reads this has run
     except OSError:

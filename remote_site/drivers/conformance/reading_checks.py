@@ -1,4 +1,4 @@
-"""What a driver's readings must be: measured, stamped when they were, newer each time, and never invented."""
+"""Checks of a driver's readings: measured, stamped when they were, newer each time, and never invented."""
 
 import numpy as np
 

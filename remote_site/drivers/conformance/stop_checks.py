@@ -1,4 +1,4 @@
-"""How a robot must stop: when told to, when commands cease or break a limit, when nothing calls its driver any more."""
+"""Checks of how a robot stops: when ordered to, when commands cease or break a limit, when nothing calls its driver."""
 
 import numpy as np
 

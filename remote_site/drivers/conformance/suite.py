@@ -60,7 +60,7 @@ def verdicts_of(
 
 
 def _left(result: CheckResult) -> str:
-    """How an interrupted check has left the robot."""
+    """Say how an interrupted check has left the robot."""
     if result.last:
         return f"{result.sentence}: if the robot moves, use the emergency stop"
     return "the robot was stopped and let go of"

@@ -32,7 +32,7 @@ JOG_MORE_RAD = 0.025  # each joint moves this much more than the one before it, 
 
 
 class Failed(Exception):  # noqa: N818  # a check's verdict, not an error of the program
-    """What the driver does wrong."""
+    """The verdict that a driver does something wrong, and what."""
 
 
 class Hopeless(Failed):
@@ -48,7 +48,7 @@ class Interrupted(Exception):  # noqa: N818  # a person's wish, not an error of 
 
 
 class Skipped(Exception):  # noqa: N818  # a check's verdict, not an error of the program
-    """Why the check does not apply to this driver."""
+    """The verdict that a check does not apply to this driver, and why."""
 
 
 def as_sentence(call: str, error: BaseException) -> str:
@@ -113,7 +113,7 @@ class Trial:
 
     @property
     def lag_ms(self) -> float:
-        """How much later than commanded the robot may be where it was sent, ms."""
+        """The longest that the robot may take after a command to be where it was sent, ms."""
         return 1000 * self.driver.capabilities.longest_lag_s + 50
 
     @property
@@ -230,7 +230,7 @@ class Trial:
             raise Failed(f"{wrong}; {stopped}" if wrong else stopped)
 
     def wrong_way(self) -> str:
-        """Which joints have gone the wrong way in the last motion, "" without one."""
+        """Say which joints have gone the wrong way in the last motion; "" without one."""
         return wrong_way(self.setup.joint_names, *self._way, self.q0)
 
     def goal(self, ahead_rad: float) -> Array:
@@ -275,7 +275,7 @@ class Trial:
         raise Failed(f"{what} raised nothing, where a DriverError is expected")
 
     def _not_ready(self, given: Array) -> str:
-        """Why the robot takes no commands after it was activated at `given` (n,) in rad."""
+        """Say why the robot takes no commands after it was activated at `given` (n,) in rad."""
         fault, waited = self.supervisor.fault, self.supervisor.state is SupervisorState.ACTIVATING
         sentence = f"not ready {f'{READY_MS / 1000:g} s ' if waited else ''}after its activation: {fault}"
         if fault is None or fault.code is not FaultCode.APART:

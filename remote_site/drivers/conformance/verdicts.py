@@ -1,4 +1,4 @@
-"""What a check's outcome says of the driver, when calls were slow or the machine paused meanwhile; pure."""
+"""Verdicts of the outcome of a check on the driver, when calls were slow or the machine paused meanwhile; pure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -32,7 +32,7 @@ class CheckResult:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """How a check ended once, the calls that were slow meanwhile, and the machine's longest pause, ns.
+    """One run of a check: how it ended, the calls that were slow meanwhile, and the machine's longest pause, ns.
 
     `excusable` is a failure that a slow call or a pause may have caused, `by_deadline` one whose sentence only repeats
     that a call was slow.

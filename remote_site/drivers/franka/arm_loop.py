@@ -124,7 +124,7 @@ class ArmLoop:
         self._port, self._motion, self._fault = None, None, fault
 
     def _lose(self, error: LinkLostError) -> None:
-        """Connect anew, after a while; the stamps show since when nothing is measured."""
+        """Connect again, after a while; the stamps show since when nothing is measured."""
         said = str(error)
         if not isinstance(error, UnreachableError):
             said = f"the robot does not answer any more ({said.removeprefix('libfranka: ')}): check cable and power"

@@ -1,4 +1,4 @@
-"""Why there is no connection to a robot, by what libfranka says: a sentence with the address and its cure; pure."""
+"""Reasons for no connection to a robot, by what libfranka says: a sentence with the address and its cure; pure."""
 
 import re
 

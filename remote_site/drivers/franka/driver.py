@@ -32,7 +32,7 @@ STALE_NS = 50 * NS_PER_MS
 
 
 class RobotSide(Protocol):
-    """What talks to the robot beside the driver, and the memory shared with it; `gripper` is None without a gripper.
+    """The part that talks to the robot, and the memory it shares with the driver; `gripper` is None without a gripper.
 
     `failure` is why it has ended by itself, "" while it has not.
     """

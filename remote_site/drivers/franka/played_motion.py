@@ -55,7 +55,7 @@ class PlayedMotion:
         return self._braked_s >= max(stop.duration for stop in self._stops) + HOLD_S
 
     def step(self, ticks: int, now_ns: int) -> Array:
-        """Where the joints are to be (7,) rad at `now_ns`, `ticks` milliseconds after the last step."""
+        """Compute where the joints are to be (7,) rad at `now_ns`, `ticks` milliseconds after the last step."""
         if self._stops is None:
             self._follow(ticks, now_ns)
         if self._stops is not None:
@@ -63,7 +63,7 @@ class PlayedMotion:
             states = zip(*(stop.at(self._braked_s) for stop in self._stops), strict=True)
             self._filter.motion = JointMotion(*(np.array(values) for values in states))
         q: Array = self._filter.motion.q + self._offset
-        self._check.take(q, ticks)
+        self._check.note_sent(q, ticks)
         return q
 
     def _follow(self, ticks: int, now_ns: int) -> None:

@@ -1,4 +1,4 @@
-"""What an FR3 lets its joints do, and whether what is sent to it each millisecond keeps within that; pure.
+"""Limits of an FR3's joints, and whether what is sent to it each millisecond keeps within them; pure.
 
 Positions, speeds, and how both are tied near the ends are from the maker's URDF of the FR3 (franka_description, which
 the robot hands out itself); acceleration and jerk from rate_limiting.h of libfranka 0.21. The robot aborts a motion
@@ -71,7 +71,7 @@ def check_fr3(setup: DriverSetup) -> None:
 
 
 def too_much(names: Sequence[str], limits: JointLimits, own: RobotLimits) -> list[str]:
-    """Which configured limits leave the robot's own no room for what late setpoints add, a sentence for each."""
+    """List which configured limits leave the robot's own no room for what late setpoints add, a sentence for each."""
     mistakes = []
     for what, unit, key, values, most in (
         ("acceleration", "rad/s²", "acceleration_rad_s2", limits.acceleration, ACCELERATION_SHARE * own.acceleration),
@@ -111,8 +111,8 @@ class StepCheck:
                 return f"the {what} of joint {k + 1} would be {values[k]:.4g}, and the robot allows {allowed}"
         return ""
 
-    def take(self, q: Array, ticks: int) -> None:
-        """`q` is sent `ticks` milliseconds after the last step."""
+    def note_sent(self, q: Array, ticks: int) -> None:
+        """Note that `q` is sent `ticks` milliseconds after the last step."""
         self.sent, self._span_s = self._next(q, ticks * TICK_S), ticks * TICK_S
 
     def _next(self, q: Array, span_s: float) -> JointMotion:

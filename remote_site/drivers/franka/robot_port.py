@@ -1,4 +1,4 @@
-"""What the driver needs of libfranka: states, a motion that is fed each millisecond, the gripper; and how they fail."""
+"""The driver's port to libfranka: states, a motion that is fed each millisecond, the gripper; and how they fail."""
 
 from dataclasses import dataclass
 from typing import Protocol

@@ -36,7 +36,7 @@ class RobotProcesses:
             self._children.start("gripper", lambda _, heartbeat: run(heartbeat), vital=False)
 
     def failure(self) -> str:
-        """Why the arm's process has ended, "" while it runs."""
+        """Say why the arm's process has ended; "" while it runs."""
         try:
             if not self._ended:
                 self._children.check_alive()

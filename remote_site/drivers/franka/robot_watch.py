@@ -1,4 +1,4 @@
-"""What is known of the robot: its connection, made anew when it is lost, its newest state, and the time of that."""
+"""Watches the robot: its connection, made again when it is lost, its newest state, and the time of that."""
 
 from collections.abc import Callable
 
@@ -28,10 +28,10 @@ class RobotTime:
         self._leapt = False
 
     def stamp(self, robot_ns: int, arrival_ns: int) -> int:
-        """When a state was measured, ns by the host's clock; never after it has arrived, never before the last one.
+        """Compute when a state was measured, ns by the host's clock; never after it came, never before the last one.
 
         One whose time lies far ahead is no newer than the last; where the next one's does too, the robot's time has
-        begun anew.
+        begun again.
         """
         offset_ns = arrival_ns - robot_ns
         self._leapt = not self._leapt and self._least_ns is not None and offset_ns < self._least_ns - LEAP_NS
@@ -72,7 +72,7 @@ class RobotWatch:
         self._robot, self._time = None, RobotTime()
 
     def wait(self) -> None:
-        """Until it is tried again to connect."""
+        """Wait until it is time to try to connect again."""
         self._clock.sleep_until_ns(self._clock.now_ns() + AGAIN_NS)
 
 

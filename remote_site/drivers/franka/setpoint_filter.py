@@ -42,7 +42,7 @@ class SetpointFilter:
         self._newest, self._written_ns, self.seq = motion, t_ns, seq
 
     def starved_ns(self, now_ns: int) -> int:
-        """How long no setpoint has come while the last one moves, ns."""
+        """Return how long no setpoint has come while the last one moves, ns."""
         return 0 if self._newest.resting else max(now_ns - self._written_ns, 0)
 
     def step(self, now_ns: int) -> None:
@@ -52,7 +52,7 @@ class SetpointFilter:
         self.motion = _continued(now, jerk, T)
 
     def _target(self, now_ns: int) -> tuple[JointMotion, Array]:
-        """Where the last setpoint leads to until now, and with which jerk: on for a tick as before, then evenly.
+        """Compute where the last setpoint leads until now, and with which jerk: on for a tick as before, then evenly.
 
         To rest where no other has come for three ticks.
         """

@@ -1,4 +1,4 @@
-"""What the author of a driver writes for an arm that takes positions: three methods, and three more for a gripper."""
+"""The interface of an arm that takes positions, for a driver's author: three methods, and three more for a gripper."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -40,7 +40,7 @@ class PositionArm(ABC):
 
     @abstractmethod
     def read(self) -> Positions | MeasuredPositions | None:
-        """Where the joints are measured now; None while there is no newer measurement than at the last call.
+        """Read where the joints are measured now; None while there is no newer measurement than at the last call.
 
         Positions alone are stamped with the time just before this call. So where a library hands out what it has
         received before, return `MeasuredPositions`, or None unless something new has come. Raise DriverError while

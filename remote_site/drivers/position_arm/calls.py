@@ -32,7 +32,7 @@ class Measurement:
 
 
 class Calls(Protocol):
-    """What a driver has its arm do.
+    """The calls by which a driver has its arm do something.
 
     `obeyed` is the number of the last command that was written since `begin`, None before; `sent` (n,) in rad is where
     the arm was sent last, in whatever activation. `begin` comes before the first command of an activation, where the
@@ -82,7 +82,7 @@ class ArmCalls:
 
     @property
     def due_ns(self) -> int:
-        """When the arm is to be read again."""
+        """The time at which the arm is to be read again, ns."""
         return self._due_ns
 
     def begin(self, q: Array, hang: Array, most_rad: Array, most_n: float) -> None:

@@ -1,4 +1,4 @@
-"""Where a position arm holds after a stop, by what it was sent and where it is read; pure."""
+"""The posture that a position arm holds after a stop, by what it was sent and where it is read; pure."""
 
 from collections.abc import Sequence
 
@@ -40,7 +40,7 @@ class HeldPosture:
         self._braked = (now_ns - self._moved_ns <= self._lag_s * NS_PER_S) | (self._way > NEGLIGIBLE_RAD)
 
     def hang(self, names: Sequence[str], sent: Array, q: Array) -> Array:
-        """How far (n,) the arm holds from where it is read, `q` (n,), after it was `sent` (n,) somewhere; all in rad.
+        """Compute how far (n,) the arm, `sent` (n,) somewhere, holds from where it is read, `q` (n,); all in rad.
 
         A joint that its own stop has braked is led on from where it is read. DriverError where it cannot be there.
         """

@@ -1,4 +1,4 @@
-"""What an arm's positions say when they come: stamped, with speeds, each only once, and nothing while they fail."""
+"""Readings from an arm's positions as they come: stamped, with speeds, each only once, and nothing while they fail."""
 
 import math
 

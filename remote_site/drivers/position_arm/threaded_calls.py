@@ -41,7 +41,7 @@ class ThreadedCalls:
 
     @property
     def sent(self) -> Array | None:
-        """Where the thread has sent the arm last."""
+        """The positions to which the thread has sent the arm last."""
         return self._calls.sent
 
     def begin(self, q: Array, hang: Array, most_rad: Array, most_n: float) -> None:
@@ -53,7 +53,7 @@ class ThreadedCalls:
             self._calls.begin(q, hang, most_rad, most_n)
 
     def measure(self) -> Measurement | None:
-        """What the thread has read since the last call; raises what it has met."""
+        """Return what the thread has read since the last call; raise what it has met."""
         self._start()
         with self._changed:
             self._raise_error()
@@ -133,7 +133,7 @@ class ThreadedCalls:
         self._succeeds(partial(self._calls.end, stops=self._stops))
 
     def _succeeds(self, call: Callable[[], None]) -> bool:
-        """Whether a call raises nothing; otherwise what it raises is kept."""
+        """Make a call and return whether it raised nothing; otherwise what it raised is kept."""
         try:
             call()
         except BaseException as error:  # a robot's library may raise anything, and exit

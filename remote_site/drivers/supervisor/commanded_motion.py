@@ -1,4 +1,4 @@
-"""What is commanded of the robot: control's last command, or the stop from it, and how control continues from that."""
+"""Commanded motion of the robot: control's last command, or the stop from it, and how control continues from that."""
 
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode, RobotFault

@@ -1,4 +1,4 @@
-"""Whether the arm follows: what it measures against all that was written within the robot's lag; pure."""
+"""Check that the arm follows: what it measures against all that was written within the robot's lag; pure."""
 
 from collections import deque
 
@@ -42,13 +42,13 @@ class FollowingCheck:
             self._written.popleft()  # it was replaced before the lag began
 
     def excess(self, q: Array) -> Array:
-        """How far each measured joint (n,) is outside what was written within the lag, rad; negative inside."""
+        """Compute how far each measured joint (n,) is outside what was written within the lag, rad; negative inside."""
         least, greatest = self._hull()
         beyond: Array = np.maximum(least - q, q - greatest)
         return beyond
 
     def outside(self, q: Array) -> str:
-        """Which measured joint (n,) in rad is farthest outside what was written within the lag, and where both are."""
+        """Say which joint of `q` (n,) rad is farthest outside what was written within the lag, and where both are."""
         k, (least, greatest) = int(self.excess(q).argmax()), self._hull()
         commanded = f"{least[k]:.3f} to {greatest[k]:.3f} rad was commanded"
         return (

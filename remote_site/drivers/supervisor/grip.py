@@ -1,4 +1,4 @@
-"""Whether the gripper has done what was commanded, holds an object, or does not answer; pure."""
+"""State of the grip: done as commanded, holding an object, or without an answer; pure."""
 
 from dataclasses import dataclass
 
@@ -75,7 +75,7 @@ class GripWatch:
         return GripperStatus.OPEN if reading.opening_m >= self._settings.open_m else GripperStatus.UNKNOWN
 
     def _reached(self, reading: GripperReading, now_ns: int) -> GripperStatus:
-        """How far the command to open or to close has been executed."""
+        """Tell how far the command to open or to close has been executed."""
         opens = self._command is GripperCommand.OPEN
         answered = self._moved or self._before in MAY_BE_THERE[self._command]
         settled = answered and now_ns - self._still_ns >= STILL_NS

@@ -1,4 +1,4 @@
-"""What control orders of the driver's process, and the watchdog over these orders; pure."""
+"""Control's orders to the driver's process, and the watchdog over these orders; pure."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ GRACE_TICKS = 3  # a command later than this finds the stop begun, and continues
 
 @dataclass(frozen=True, slots=True)
 class DriverOrder:
-    """What control wants: an activation when `activation` rises, a command while `run`, otherwise the stop.
+    """An order of control: an activation when `activation` rises, a command while `run`, otherwise the stop.
 
     `stop_count` is the newest that control knows of; a command planned before the last stop began is ignored.
     """
@@ -26,7 +26,7 @@ class DriverOrder:
 
 
 class CommandWatchdog:
-    """How late commands are, and how long control has been silent; pauses of this process itself do not count.
+    """The watch over late commands and the silence of control; pauses of this process itself do not count.
 
     Nor is it watched by a process that always pauses: that is a fault.
     """

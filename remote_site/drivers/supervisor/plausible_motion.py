@@ -1,4 +1,4 @@
-"""Where joints can be read next: no farther from their readings before than they can have moved since; pure."""
+"""Plausible motion: joints are read no farther from their readings before than they can have moved since; pure."""
 
 import numpy as np
 

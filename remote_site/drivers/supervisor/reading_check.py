@@ -1,4 +1,4 @@
-"""Whether what a driver has read can be true: types, numbers, ranges, motion, and a stamp that advances; pure."""
+"""Check that a driver's reading can be true: types, numbers, ranges, motion, and a stamp that advances; pure."""
 
 import math
 from typing import TypeGuard
@@ -134,7 +134,7 @@ def _short(value: float) -> str:
 
 
 def _malformed(reading: object, joints: int) -> str:
-    """What a driver returned instead of a reading, or in a field of it; "" where every type and shape is right."""
+    """Say what a driver returned instead of a reading, or in a field of it; "" where every type and shape is right."""
     if not isinstance(reading, RobotReading):
         return f"{_type(reading)}, not a RobotReading"
     wrong = (*_own_fields(reading, joints), *_gripper_fields(reading.gripper), *_fault_fields(reading.fault))

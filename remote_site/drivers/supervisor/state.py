@@ -4,7 +4,7 @@ from enum import Enum, auto
 
 
 class SupervisorState(Enum):
-    """How far the robot is from taking commands.
+    """The supervisor's state: how near the robot is to taking commands.
 
     "The stop" is the verified, jerk-limited one that the supervisor plans and writes itself; `Driver.stop` leaves
     stopping to the robot. A call of the driver fails when it raises or exceeds its deadline; a reading is bad when it

@@ -34,7 +34,7 @@ class StopPlan:
         return self.plan_ns + t_ns - self.onset_ns
 
     def hands_over_to(self, command: JointCommand, written_ns: int, guard: JointGuard) -> bool:
-        """Whether control may continue with a command when the stop was written up to the plan time `written_ns`.
+        """Return whether control may continue with a command when the stop was written to the plan time `written_ns`.
 
         The command has to be where the stop is at the command's own time, and what was written hardly beyond it.
         """

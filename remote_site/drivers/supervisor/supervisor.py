@@ -81,12 +81,12 @@ class DriverSupervisor:
 
     @property
     def due_ns(self) -> int | None:
-        """When a motion that waits may be written, None if none waits."""
+        """The time at which a motion that waits may be written, ns; None if none waits."""
         return self._writer.due_ns if self.state in DRIVEN else None
 
     @property
     def written(self) -> JointCommand:
-        """What the robot was given last: its motion, the number of control's command it comes from, and when; 0 before.
+        """The motion that the robot was given last, the number of control's command it comes from, and when; 0 before.
 
         A stop comes from the command that it began with.
         """
@@ -139,7 +139,7 @@ class DriverSupervisor:
         self.fault = refused or self.fault
 
     def _unfit(self, q0: Array) -> RobotFault | None:
-        """Why the robot must not be activated at `q0`: it cannot be read now, moves, or is elsewhere."""
+        """Say why the robot must not be activated at `q0`: it cannot be read now, moves, or is elsewhere."""
         reading = self._driver.read()
         if isinstance(reading, RobotFault):
             return reading

@@ -1,4 +1,4 @@
-"""When each planned motion may be written, so that late calls never make the robot exceed its limits; pure."""
+"""Schedule of planned motions: when each may be written, so that late calls never exceed the robot's limits; pure."""
 
 import math
 from collections import deque
@@ -78,12 +78,12 @@ class WriteScheduler(Generic[T]):
         return self._planned_ns
 
     def waits(self, now_ns: int) -> bool:
-        """Whether the newest motion may not be written yet."""
+        """Return whether the newest motion may not be written yet."""
         return bool(self._waiting) and self._waiting[-1][0] > self._furthest_ns(now_ns)
 
     @property
     def due_ns(self) -> int | None:
-        """When the next motion may be written; None if none waits."""
+        """The time at which the next motion may be written, ns; None if none waits."""
         if not self._waiting:
             return None
         return self._written_ns + math.ceil(LEAST_FRACTION * (self._waiting[0][0] - self._planned_ns + self._extra_ns))

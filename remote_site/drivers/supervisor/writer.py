@@ -47,7 +47,7 @@ class ObeyedCommands:
 
 
 class Settling:
-    """Whether a robot that has been led to rest has had the time to follow, `lag_ns`."""
+    """The wait until a robot that has been led to rest has had the time to follow, `lag_ns`."""
 
     def __init__(self, lag_ns: int) -> None:
         self._lag_ns = lag_ns
@@ -76,7 +76,7 @@ class LastWritten:
         self._steps.restart(motion.q)
 
     def write(self, due: JointCommand | None, now_ns: int) -> JointCommand:
-        """What is to be written now of the motion that is due, None for the one before."""
+        """Return what is to be written now of the motion that is due, None for the one before."""
         self._due = due or self._due
         self.command = replace(self._due, t_ns=now_ns, q=self._steps.towards(self._due.q))
         return self.command
@@ -121,7 +121,7 @@ class PacedWriter:
 
     @property
     def due_ns(self) -> int | None:
-        """When a motion that waits may be written, None if none waits."""
+        """The time at which a motion that waits may be written, ns; None if none waits."""
         return None if self.period_ns else self._scheduler.due_ns
 
     def restart(self, command: JointCommand, now_ns: int) -> None:
@@ -175,7 +175,7 @@ class PacedWriter:
         return self._driver.write(JointCommand(number, now_ns, last.q, last.dq, last.ddq, self._gripper.standing))
 
     def settled(self, now_ns: int) -> bool:
-        """Whether a stop that has ended was written to its end, and the robot has had the time to follow."""
+        """Return whether a stop that has ended was written to its end, and the robot has had the time to follow."""
         if not self.written.motion.resting:
             self._settling.restart()
             return False

@@ -53,7 +53,7 @@ class PageRate:
         self._too_much_fps = 0.0
 
     def report(self, views: Sequence[ViewShown], full_fps: float, now_ns: int) -> None:
-        """What the page has shown of each camera, and the rate that the cameras have."""
+        """Take in what the page has shown of each camera, and the rate that the cameras have."""
         passed_ns, self._report_ns = min(now_ns - self._report_ns, NS_PER_S), now_ns
         painted, came = (statistics.fmean(rates) for rates in zip(*((v.fps, v.came.fps) for v in views), strict=True))
         lag_ms = statistics.median(view.age_ms - view.came.age_ms for view in views)
@@ -135,7 +135,7 @@ class Adaptation:
         self._settings = self._chosen(self._wanted(now_ns))
 
     def setting(self, camera: str, now_ns: int) -> StreamSetting:
-        """How the camera's next picture is to be sent."""
+        """Return how the camera's next picture is to be sent."""
         if self._console is not None and now_ns - self._reported_ns > SHOWN.stale_after_ns:
             self.forget()
         setting = self._settings[camera]
@@ -148,7 +148,7 @@ class Adaptation:
         self._forget(None)
 
     def trouble(self, now_ns: int) -> VideoLink | None:
-        """What to report of link, page or processor where it keeps pictures from coming all and in time; else None."""
+        """Say what of link, page or processor keeps pictures from coming all and in time; None where nothing does."""
         carries, wanted = self._link.carries, self._wanted(now_ns)
         needs = sum(wanted.values())
         if carries is not None and carries * USED < needs:
@@ -161,7 +161,7 @@ class Adaptation:
         return slow_page(fps, self._full.fps, needs) if fps is not None and fps < FEW * self._full.fps else None
 
     def _follow(self, session: int, now_ns: int) -> bool:
-        """Whether this console counts; the first report of a new one takes over."""
+        """Follow this console if it counts, and return whether it does; the first report of a new one takes over."""
         silent = now_ns - self._reported_ns > SHOWN.stale_after_ns
         if session != self._console:
             if session in self._older and not silent:
@@ -173,7 +173,7 @@ class Adaptation:
         return True
 
     def _told_ns(self, shown: ViewsShown, now_ns: int) -> int:
-        """When a report would have come without a delay on the way back, which says nothing about the pictures' way.
+        """Compute when a report would have come without delay on its way back: that delay says nothing about pictures.
 
         Where the console's clock loses time that would be ever earlier, so it is never before the report before.
         """

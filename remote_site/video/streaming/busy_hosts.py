@@ -18,7 +18,7 @@ class Host(StrEnum):
 
 
 class BusyHosts:
-    """What both hosts have told; `waited_ms` is how much of a picture's age it may be. This host sets `of_cell_ms`."""
+    """The waits of both hosts; `waited_ms` is how much of a picture's age they may be. This host sets `of_cell_ms`."""
 
     def __init__(self) -> None:
         self.waited_ms = self.of_cell_ms = 0.0

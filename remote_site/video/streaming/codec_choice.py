@@ -1,4 +1,4 @@
-"""Which codec a cell's pictures are sent in: JPEG while the link carries it, else H.264."""
+"""Choice of the codec for a cell's pictures: JPEG while the link carries it, else H.264."""
 
 from enum import StrEnum
 
@@ -34,7 +34,7 @@ class CodecChoice:
         self._was_opening = False
 
     def follow(self, *, decodes: bool, opening: bool, narrow: bool, late_ns: int, now_ns: int) -> bool:
-        """Whether JPEG is to be tried now.
+        """Choose the codec; return whether JPEG is to be tried now.
 
         `decodes` is whether the page decodes H.264, `opening` whether little is sent because nothing is known of the
         link, `narrow` whether it carries less than full JPEG, `late_ns` when pictures were last late.

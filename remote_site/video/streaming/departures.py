@@ -1,4 +1,4 @@
-"""Which cameras' pictures have waited in this host for too long: another one behind them would only come old."""
+"""Cameras whose pictures have waited in this host for too long: another one behind them would only come old."""
 
 from collections import defaultdict, deque
 
@@ -10,7 +10,7 @@ LATE_NS = round(LATE_MS * NS_PER_MS)
 
 
 class Departures:
-    """What was put of each camera and when, against what the transport has not sent yet.
+    """The bytes put of each camera and when, against what the transport has not sent yet.
 
     TCP keeps what its congestion control does not let go, up to hundreds of kB. While it pauses, pictures that are put
     wait one behind the other, and come all at once and late, when they overflow the next router's queue. So pictures
@@ -29,7 +29,7 @@ class Departures:
         self._young[camera].append((now_ns, self._put_bytes))
 
     def waits(self, camera: str, unsent_bytes: int, now_ns: int) -> bool:
-        """Whether a picture that the camera put so long ago is not wholly sent, if so much has not been sent of all."""
+        """Return whether a picture that the camera put so long ago is not wholly sent, by what is unsent of all."""
         young = self._young[camera]
         while young and young[0][0] <= now_ns - LATE_NS:
             self._late_end[camera] = young.popleft()[1]

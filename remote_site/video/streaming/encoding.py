@@ -31,14 +31,14 @@ NOTHING = Encoded(Codec.JPEG, False, 0, 0, b"")
 
 
 def can_encode(codec: CodecPreference) -> bool:
-    """Whether H.264 can be sent where this is asked for; ConfigError where nothing else is wanted, and PyAV missing."""
+    """Return whether H.264 can be sent where it is asked for; ConfigError where only it will do and PyAV is missing."""
     if codec is CodecPreference.H264 and not has_h264():
         raise ConfigError(f"video.codec = 'h264' needs PyAV, which is not installed; {H264_CURE}")
     return codec is not CodecPreference.JPEG and has_h264()
 
 
 class PictureEncoder:
-    """JPEG, or H.264 by an encoder that is opened anew for another size or rate.
+    """JPEG, or H.264 by an encoder that is opened again for another size or rate.
 
     All requests for a key frame after pictures sent before the last one are answered by it. In any second at most
     KEY_FRAMES_A_SECOND are made because somebody asks.

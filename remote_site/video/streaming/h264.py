@@ -26,7 +26,7 @@ class EncodedPicture(NamedTuple):
 
 
 def has_h264() -> bool:
-    """Whether PyAV is installed."""
+    """Return whether PyAV is installed."""
     return find_spec("av") is not None
 
 

@@ -1,4 +1,4 @@
-"""How much the link to the console carries, from what arrives and how late, and how much of that to use."""
+"""Rate that the link to the console carries, from what arrives and how late, and how much of that to use."""
 
 import math
 from collections import deque
@@ -91,7 +91,7 @@ class LinkRate:
     The link is full when pictures have been late for longer than a pause of TCP (BBR measures the round trip every ten
     seconds: 200 ms and two round trips) and less comes than is sent, or when they have been late for some time without
     that. Pictures that are late although they were sent a second after the rate was reduced wait in no queue: the way
-    has become longer, and the least is taken anew. Meanwhile `draining` is the fraction of the budget that empties the
+    has become longer, and the least is taken again. Meanwhile `draining` is the fraction of the budget that empties the
     link, at once and without a judgement.
 
     While nothing is late it is unknown whether the link carries more; after two quiet seconds a little more is tried,
@@ -112,7 +112,7 @@ class LinkRate:
         self._reports: deque[tuple[int, Arrivals]] = deque(maxlen=MOST_REPORTS)
 
     def report(self, arrivals: Arrivals, wanted_bytes_per_s: float, now_ns: int, *, cautious: bool) -> None:
-        """What the console told, how many bytes a second full quality would take, and how to try more."""
+        """Take in what the console reported, how many bytes a second full quality would take, and how to try more."""
         before_ns = self._reports[-1][0] if self._reports else now_ns
         before_ms = self._least_delay.value
         delay_ms = min(LONGEST_MS, self._least_delay.see(arrivals.delay_ms, now_ns))
@@ -139,16 +139,16 @@ class LinkRate:
 
     @property
     def is_opening(self) -> bool:
-        """Whether too little has come to know anything, or pictures still become quicker."""
+        """Return whether too little has come to know anything, or pictures still become quicker."""
         return self._settled < OPENING_REPORTS
 
     @property
     def carries(self) -> float | None:
-        """What has been seen of the estimate, None while all is sent."""
+        """The estimate of what the link carries, as far as it has been seen; None while all is sent."""
         return None if self._carries is None else min(self._carries, max(self._when_full, self._rate()))
 
     def budget(self, wanted_bytes_per_s: float) -> float | None:
-        """How many bytes a second to send of those that full quality would take, None for all; less while it drains."""
+        """Return how many bytes a second to send of those of full quality, None for all; less while it drains."""
         known = math.inf if self._carries is None else self._carries * USED
         budget = min(known, OPENING_FRACTION * wanted_bytes_per_s) if self.is_opening else known
         return budget if budget < math.inf else None
@@ -158,7 +158,7 @@ class LinkRate:
         self._carries, self.draining, self._is_known = None, 1.0, False
 
     def _open(self, quicker_ms: float, round_trip_ms: float, now_ns: int) -> None:
-        """How much quicker this report's pictures are than all before: those have waited in a link that is full."""
+        """Judge by how much quicker this report's pictures are than all before: those waited in a link that is full."""
         self._opened_ns = now_ns if self._opened_ns is None else self._opened_ns
         if now_ns - round_trip_ms * NS_PER_MS >= self._opened_ns:
             self._settled += quicker_ms < QUICKER_MS

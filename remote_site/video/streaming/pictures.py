@@ -10,7 +10,7 @@ FLAT = 3.0  # standard deviation of the brightness
 
 
 def is_dark(image: Image, dark_level: float) -> bool:
-    """Whether a picture shows nothing: nearly all of it is below a level of brightness, or all is alike.
+    """Return whether a picture shows nothing: nearly all of it is below a level of brightness, or all is alike.
 
     Nearly all is the mean and two standard deviations of the brightness, 0 to 255.
     """

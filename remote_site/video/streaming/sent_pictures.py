@@ -1,4 +1,4 @@
-"""What was sent of each camera, what of it has come to the console, and how long that took; pure."""
+"""Pictures sent of each camera, what of them has come to the console, and how long that took; pure."""
 
 import statistics
 from collections import deque
@@ -16,7 +16,7 @@ ALL_CAME = 0.85  # of the pictures: one may just have been too late for the coun
 
 @dataclass(frozen=True, slots=True)
 class Arrivals:
-    """What one report says about the pictures.
+    """The figures of one report about the pictures.
 
     Since the last report `sent_bytes` went out and `carried_bytes` came; `waiting_bytes` are still on their way.
     `delay_ms` is what the newest that came took from here to the console, and `round_trip_ms` what passed from sending
@@ -46,9 +46,9 @@ class _Sent:
 
 
 class SentPictures:
-    """What was sent of one camera; bytes count as carried once a picture sent with or after them has come.
+    """The pictures sent of one camera; bytes count as carried once a picture sent with or after them has come.
 
-    Where buffers are full pictures are dropped on the way: of the bytes only the share counts that came of the last
+    Where buffers are full pictures are dropped on the way: of the bytes only the fraction counts that came of the last
     second's pictures.
 
     `reference_bytes` is what a JPEG of quality 80 at full size takes, None before the first; `pixels` are those of a
@@ -87,7 +87,7 @@ class SentPictures:
         self._sent_bytes += self._last_bytes
 
     def come(self, came: ViewCame, told_ns: int) -> Arrivals | None:
-        """What a console told at a time of this camera; None where that is about no picture known here."""
+        """Take in what a console reported at a time of this camera; None where that is about no picture known here."""
         is_first, carried = self._newest is None, 0
         while self._waiting and self._waiting[0].seq <= came.seq:
             self._newest = self._waiting.popleft()
@@ -113,7 +113,7 @@ class SentPictures:
         )
 
     def _share(self, came_fps: float, told_ns: int) -> float:
-        """How many of the pictures of the last second have come, if this is how many came in a second."""
+        """Compute the fraction of the last second's pictures that has come, if this is how many came in a second."""
         while self._passed_ns and self._passed_ns[0] <= told_ns - NS_PER_S:
             self._passed_ns.popleft()
         passed = len(self._passed_ns)

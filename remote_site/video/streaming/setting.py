@@ -1,4 +1,4 @@
-"""How a camera's pictures are sent: codec, quality, size and rate, and the best of them within a byte rate."""
+"""Setting of a camera's stream: codec, quality, size and rate, and the best of them within a byte rate."""
 
 from dataclasses import dataclass, replace
 
@@ -86,7 +86,7 @@ def fit_h264(bytes_per_s: float, pixels: int, full: StreamSetting, now: StreamSe
 
 
 def most_h264_bytes(pixels: int) -> int:
-    """What a picture of this size takes in H.264 on average, at most: more would not be seen."""
+    """Compute what a picture of this size takes in H.264 on average, at most: more would not be seen."""
     return round(_bytes_of(MOST_BITS, pixels, 1.0))
 
 
@@ -95,7 +95,7 @@ def _bytes_of(bits_per_pixel: float, pixels: int, scale: float) -> float:
 
 
 def _allowed(bytes_per_s: float, reference_bytes: float, scale: float, fps: float) -> float:
-    """How large a picture may be at this size and rate, relative to one of quality 80."""
+    """Compute how large a picture may be at this size and rate, relative to one of quality 80."""
     return bytes_per_s / (fps * reference_bytes * _area(scale))
 
 

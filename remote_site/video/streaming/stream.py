@@ -21,7 +21,7 @@ WINDOW_NS = 700 * NS_PER_MS
 
 
 class FrameRate:
-    """How many pictures a second a camera makes, by its own numbers, whether or not all were taken."""
+    """The number of pictures a second that a camera makes, by its own numbers, whether or not all were taken."""
 
     def __init__(self) -> None:
         self._exposures: deque[tuple[int, int]] = deque()
@@ -44,7 +44,7 @@ class FrameRate:
 
 
 class Freshness:
-    """When a camera last gave a new exposure, and when a picture that differs from the one before."""
+    """The times of a camera's last new exposure, and of its last picture that differs from the one before."""
 
     def __init__(self) -> None:
         self.exposure_ns = self.picture_ns = NEVER
@@ -70,7 +70,7 @@ class Thinning:
         self._due_ns = 0.0
 
     def takes(self, capture_ns: int, makes_fps: float, fps: float) -> bool:
-        """Whether to send this picture of a camera that makes `makes_fps`, to send `fps`."""
+        """Return whether to send this picture of a camera that makes `makes_fps`, to send `fps`."""
         if makes_fps <= JITTER * fps:
             return True
         if capture_ns < self._due_ns - NS_PER_S / makes_fps / 2:
@@ -105,7 +105,7 @@ class CameraStream:
     def take(
         self, frame: Frame | None, setting: StreamSetting, now_ns: int, waits: Callable[[], bool] = lambda: False
     ) -> VideoFrame | None:
-        """What to publish at `now_ns`, given the newest frame (None before the first); None for nothing new.
+        """Build what to publish at `now_ns`, given the newest frame (None before the first); None for nothing new.
 
         `waits` is asked for each picture that is due, which is left out while the last one still waits to be sent.
         """

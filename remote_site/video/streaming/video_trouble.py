@@ -1,4 +1,4 @@
-"""Why not all pictures are sent or come late, in words with the cure: link, page or a host's processor; pure."""
+"""Causes of pictures that are not sent or come late, in words with the cure: link, page or a host's processor; pure."""
 
 from collections.abc import Collection
 
@@ -14,7 +14,7 @@ NUMBERS = ("no", "one", "two", "three", "four", "five", "six")
 def narrow_link(
     carries: float, needs: float, full: StreamSetting, settings: Collection[StreamSetting]
 ) -> VideoLink | None:
-    """What is wrong where the link `carries` fewer bytes a second than the cameras need at the full setting.
+    """Say what is wrong where the link `carries` fewer bytes a second than the cameras need at the full setting.
 
     `settings` are those that are sent; None while they are all the full one, or H.264 of the same size and rate.
     """

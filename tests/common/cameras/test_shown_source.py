@@ -11,11 +11,11 @@ from common.errors import CameraError, ConfigError
 from farhand.calibration.pictures import by_name, read_pictures
 from farhand.doctor.cameras import CameraFacts, check_camera, probe_camera
 from farhand.setup.finding_cameras import try_cameras
+from lab.stage.waiting import until
 from remote_site.video.config import CameraConfig
 from remote_site.video.sources import ThreadedCamera
 from tests.common.cameras.fake_capture import FakeCapture
 from tests.farhand.setup.scripted_person import ScriptedPerson
-from tests.waiting import until
 
 NOBODY = "http://anna:s3cret@127.0.0.1:1/s3cret?password=s3cret"  # nobody listens there
 

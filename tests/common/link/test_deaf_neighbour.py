@@ -6,13 +6,15 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+import pytest
+
 from common.link.channels import LOAD_ECHO
 from common.link.transport import open_link
 from common.messages.probe import MOST_PADDING, ProbeEcho
 from common.messages.requests import EngagementAction
 from lab.stage.processes import module_command
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import ANNA, BEN, CELL, Cell, reply_to, running, secured
-from tests.waiting import until
 
 ECHO = ProbeEcho(session=1, seq=0, sent_ns=0, received_ns=0, answered_ns=0, received=1, padding=bytes(MOST_PADDING))
 MORE_THAN_BUFFERS_HOLD = 400  # echoes, 6.4 MB; Linux keeps 4 MB of what is to be sent

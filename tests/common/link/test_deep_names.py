@@ -5,11 +5,13 @@ import os
 import time
 from pathlib import Path
 
+import pytest
+
 from common.link.channels import STATE
 from common.link.runtime import STACK_BYTES
 from common.link.transport import open_link
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import CELL, ROBOT_STATE, dishonest, free_port
-from tests.waiting import until
 
 CHUNKS = 8000
 SERVED_S, GONE_S = 60.0, 2.0

@@ -16,8 +16,8 @@ from common.link.channels import CHANNELS, HAND
 from common.link.pubsub import Latest
 from common.link.transport import Link, open_link
 from common.messages.hand import HandArm
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import QUIET_S, free_port
-from tests.waiting import until
 
 CELL = "lab"
 FLOOD_HZ = 10_000

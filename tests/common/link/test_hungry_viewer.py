@@ -12,8 +12,8 @@ from common.messages.requests import EngagementAction
 from common.process import viewers as process
 from common.process.children import Heartbeat
 from common.process.service import StopFlag
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import ANNA, CELL, Cell, dishonest, free_port, reply_to, secured
-from tests.waiting import until
 
 LITTLE_BYTES = 1000 << 20  # so that the test does not take as much either; half of it are stacks of threads
 DEEP = "/".join("x" * 8000)  # Zenoh keeps every beginning of a key expression: 64 MB

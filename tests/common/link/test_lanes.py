@@ -15,8 +15,8 @@ from common.link.pubsub import Latest
 from common.link.roles import Identity, Role
 from common.link.transport import open_link
 from common.messages.codec import encode
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import ANNA, CELL, HAND_SAMPLE, Cell, running, secured
-from tests.waiting import until
 
 PERIOD_MS, SAMPLE_BYTES = 33, 210
 PACKET_BYTES = 1200  # the least that QUIC's congestion control counts with

@@ -18,6 +18,7 @@ from common.messages.codec import encode
 from common.messages.requests import ClockQuestion
 from farhand.certificates.authorities import load_authority
 from farhand.certificates.issuing import issue
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import (
     ANNA,
     CELL,
@@ -31,7 +32,6 @@ from tests.common.link.secured_cell import (
     running,
     secured,
 )
-from tests.waiting import until
 
 KNOWN_WITHIN_S = 10.0  # until who is refused knows why; three where a machine has nothing else to do
 

@@ -15,6 +15,7 @@ from common.link.transport import open_link
 from common.messages.requests import EngagementAction
 from farhand.certificates.authorities import load_authority
 from farhand.certificates.issuing import issue
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import (
     ANNA,
     CELL,
@@ -28,7 +29,6 @@ from tests.common.link.secured_cell import (
     request,
     secured,
 )
-from tests.waiting import until
 
 
 def test_an_operator_commands_and_hears(pki: Path, cell: Cell) -> None:

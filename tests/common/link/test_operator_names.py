@@ -14,6 +14,7 @@ from common.link.endpoints import SECURED
 from common.link.transport import open_link, open_router
 from common.messages.codec import encode
 from common.messages.requests import ClockQuestion, EngagementAction
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import (
     ANNA,
     BEN,
@@ -30,7 +31,6 @@ from tests.common.link.secured_cell import (
     running,
     secured,
 )
-from tests.waiting import until
 
 
 @pytest.fixture(scope="module", params=SECURED)

@@ -12,10 +12,10 @@ from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
 from common.messages.requests import ClockAnswer, ClockQuestion, TroubleNoted
 from farhand.loopback.site_process import free_ports
+from lab.stage.waiting import until
 from local_site.authority.lease_client import tell_by_tls
 from tests.common.link.secured_cell import ANNA, CELL, running, secured
 from tests.common.link.test_remote_clock import all_probed
-from tests.waiting import until
 
 
 def test_quic_counts_as_blocked_after_three_seconds_in_which_tls_answers_and_never_without() -> None:

@@ -8,8 +8,8 @@ from common.errors import RefusedError, TransportError
 from common.link.aside import Aside
 from common.link.remote_clock import RemoteClock
 from common.messages.requests import ClockAnswer
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import CELL
-from tests.waiting import until
 
 ANSWER = ClockAnswer(received_ns=1, answered_ns=2)
 WHY = "the other site refuses us"

@@ -11,9 +11,9 @@ import pytest
 from common.link import send_queues
 from common.link.send_queues import SendQueues
 from common.link.transport import open_link
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import ANNA, BEN, CELL, running, secured
 from tests.common.link.test_deaf_neighbour import deaf
-from tests.waiting import until
 
 ANNAS, BENS = f"operator.{CELL}.{ANNA}", f"operator.{CELL}.{BEN}"
 SMALL_BYTES = 4096

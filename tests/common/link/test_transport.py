@@ -3,7 +3,7 @@
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 
 import msgspec
@@ -21,6 +21,7 @@ from common.link.transport import Link, open_link
 from common.messages.codec import encode
 from common.messages.hand import HandArm
 from common.messages.requests import ClockAnswer, ClockQuestion, EngagementAction, EngagementRequest, Reply
+from lab.stage.waiting import until
 
 WAIT_S = 9.0
 
@@ -36,14 +37,6 @@ def links() -> Iterator[tuple[Link, Link]]:
     endpoint = free_endpoint()
     with open_link(listen=(endpoint,)) as server, open_link(connect=(endpoint,)) as client:
         yield server, client
-
-
-def wait_until(is_so: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + WAIT_S
-    while not is_so():
-        if time.monotonic() > deadline:
-            raise AssertionError("waited in vain")
-        time.sleep(0.01)
 
 
 def until_received(publisher: Publisher[HandArm], latest: Latest[HandArm], message: HandArm) -> HandArm:
@@ -157,7 +150,7 @@ def test_what_is_larger_than_its_channel_allows_never_arrives(links: tuple[Link,
     publisher._publisher.put(bytes(HAND.max_bytes + 1))
     publisher.put(msgspec.structs.replace(golden.HAND, seq=1000))
     taken: list[HandArm | None] = []
-    wait_until(lambda: taken.append(latest.take()) or (taken[-1] is not None and taken[-1].seq == 1000))
+    until(lambda: taken.append(latest.take()) or (taken[-1] is not None and taken[-1].seq == 1000))
     publisher._publisher.put(bytes(HAND.max_bytes))
     with pytest.raises(MessageError, match="malformed"):
         latest.wait()
@@ -186,7 +179,7 @@ def test_one_neighbours_flood_of_questions_leaves_room_for_anothers() -> None:
         threads = [threading.Thread(target=serve_clock, args=(server,)), threading.Thread(target=flood, args=(rude,))]
         for thread in threads:
             thread.start()
-        wait_until(lambda: answered[0] > 20)
+        until(lambda: answered[0] > 20)
         heard = [RemoteClock(polite, "lab").measure() for _ in range(4) if not stop.wait(0.1)]
         stop.set()
         for thread in threads:
@@ -201,10 +194,10 @@ def test_a_publisher_knows_whether_anybody_listens() -> None:
         assert not publisher.has_listener
         with open_link(connect=(endpoint,)) as client:
             latest = client.latest(PREVIEW, "lab")
-            wait_until(lambda: publisher.has_listener)
+            until(lambda: publisher.has_listener)
             publisher.put(golden.VIDEO)
-            wait_until(lambda: latest.take() == golden.VIDEO)
-        wait_until(lambda: not publisher.has_listener)
+            until(lambda: latest.take() == golden.VIDEO)
+        until(lambda: not publisher.has_listener)
 
 
 def test_nobody_answering_is_an_error() -> None:

@@ -16,8 +16,8 @@ import pytest
 from common.link.channels import STATE
 from common.link.transport import Link, open_link
 from lab.stage.network.namespaces import HERE, LinkedHosts, why_not
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import ANNA, CELL, OPERATORS, ROBOT_STATE, free_port, secured
-from tests.waiting import until
 
 DELAY_MS, CUT_AFTER_S = 100.0, 0.2  # from what it was closed for to the end of the link: what closes it is under way
 WATCHED_S, EACH_S = 2.5, 0.02

@@ -21,6 +21,7 @@ from common.messages.requests import ClockQuestion, DescribeQuestion, Engagement
 from common.messages.video import KeyFrameRequest
 from farhand.certificates.authorities import load_authority
 from farhand.certificates.issuing import issue
+from lab.stage.waiting import until
 from tests.common.link.secured_cell import (
     ANNA,
     CELL,
@@ -37,7 +38,6 @@ from tests.common.link.secured_cell import (
     secured,
 )
 from tests.common.link.watched_cell import watched
-from tests.waiting import until
 
 CROWD = 70  # more than a session has neighbours
 BOTH = [ChannelSession.CONTROL, ChannelSession.VIDEO]

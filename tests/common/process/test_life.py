@@ -15,6 +15,7 @@ from common.clock import ClockOffset
 from common.errors import DriverError, ProcessError
 from common.process.children import END, SENT_TO_ALL, ChildMain, Children, Heartbeat, ends_at_once
 from common.process.service import StopFlag, notify
+from lab.stage.waiting import until
 
 
 def test_the_common_package_is_ours() -> None:
@@ -103,10 +104,7 @@ def test_what_systemd_sends_to_every_process_of_a_service_is_left_to_its_main_on
     children.wait_ready(10.0, StopFlag())
     os.kill(child.process.pid or 0, number)
     beat = child.heartbeat.last_ns
-    deadline = time.monotonic() + 10.0
-    while child.heartbeat.last_ns < beat + 50_000_000 and time.monotonic() < deadline:
-        children.check()
-        time.sleep(0.01)
+    until(lambda: children.check() or child.heartbeat.last_ns >= beat + 50_000_000, "its heartbeat", 10.0)
     assert child.process.is_alive()
     children.end()
     assert child.process.exitcode == 0
@@ -125,10 +123,7 @@ def test_a_child_whose_parent_is_killed_ends_in_order(tmp_path: Path) -> None:
     above.wait_ready(10.0, StopFlag())
     process.kill()
     process.join(10.0)
-    deadline = time.monotonic() + 10.0
-    while not (tmp_path / "ended").exists() and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert (tmp_path / "ended").exists()
+    until((tmp_path / "ended").exists, "the end", 10.0)
 
 
 def test_a_dead_child_is_an_error_with_its_name() -> None:

@@ -19,8 +19,8 @@ from farhand.arm_import.description.arm import ChosenArm
 from farhand.arm_import.description.elements import Joint, Limit, Shape, UrdfLink, UrdfMesh, UrdfRobot
 from farhand.arm_import.description.reading import read_description
 from farhand.arm_import.design import Design
+from farhand.arm_import.import_arm import ImportRequest, import_arm
 from farhand.arm_import.prepared import PreparedArm
-from farhand.arm_import.run import ImportRequest, import_arm
 from farhand.arm_import.shapes.capsule import Capsule
 from farhand.arm_import.writing.manifest import digests_in, is_as_written, with_manifest
 from farhand.arm_import.writing.meshes import gather_meshes

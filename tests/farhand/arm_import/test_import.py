@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from common.config.loading import load_config
 from common.errors import ConfigError, ModelError
 from farhand.arm_import.description.packages import search_path
-from farhand.arm_import.run import ImportRequest, import_arm
+from farhand.arm_import.import_arm import ImportRequest, import_arm
 from farhand.cli import app
 from farhand.deployment.schemas import schema_of
 from remote_site.config import RemoteConfig

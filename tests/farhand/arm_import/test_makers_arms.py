@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from common.config.loading import load_config
-from farhand.arm_import.run import ImportRequest, import_arm
+from farhand.arm_import.import_arm import ImportRequest, import_arm
 from local_site.simulation.motion import PATHS
 from remote_site.config import RemoteConfig
 from tests.farhand.arm_import.published import unseen

@@ -24,13 +24,13 @@ from common.messages.requests import ClockQuestion, DescribeQuestion, Descriptio
 from common.messages.robot import Asker
 from farhand.authority.lease import act_on_lease, describe_lease, take_lease
 from farhand.loopback.site_process import free_ports
+from lab.stage.waiting import until
 from local_site.authority.lease_client import END_PATIENCE_S, Authority
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.session.lease import LeaseServer
-from tests.waiting import until
 
 CELL = "test"
 PATIENCE_S = 10.0

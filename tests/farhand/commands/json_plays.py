@@ -10,13 +10,13 @@ from typing import Any
 import tests.common.messages.golden_examples as golden
 from common.recording.repair import Repaired
 from farhand.calibration.latency.delay import Delay
-from farhand.calibration.latency.run import CameraLatency
+from farhand.calibration.latency.measuring import CameraLatency
 from farhand.calibration.points import Calibrated
 from farhand.doctor.findings import warning
-from farhand.export.lerobot.run import ExportSummary
+from farhand.export.lerobot.dataset_export import ExportSummary
+from farhand.loopback.measured_run import run_figures
 from farhand.loopback.plan import LoopbackOptions
 from farhand.loopback.recorder import Record
-from farhand.loopback.run import run_figures
 from farhand.replay.verify import Difference, ReplayVerdict
 from farhand.status.observed import Observed
 from farhand.teach.writing import as_toml
@@ -108,7 +108,7 @@ CREATED = [["certificates", "create", "lab"]]
 MAINTENANCE = ENGAGE + "request_maintenance"
 RECORDED = _asks("farhand.authority.record.request_record")
 LATENCY = CameraLatency("left", 40.0, 2.0, 16.7, False, Delay(40.0, 2.0, 0.99, 90.0, 30.0, 34.0))
-ENDS = "farhand.calibration.latency.run."
+ENDS = "farhand.calibration.latency.measuring."
 VERIFY = "farhand.replay."
 EXPORTS = {"farhand.export.recording.open_sessions": _no_sessions}
 PLAYS: dict[str, Play] = {
@@ -127,10 +127,10 @@ PLAYS: dict[str, Play] = {
     "episode begin": RECORDED,
     "episode end": RECORDED,
     "episode label": RECORDED,
-    "status": Play(instead={"farhand.status.run.StatusWatch": _Watch, "farhand.status.run.OVER_NS": 0}),
-    "loopback": Play(instead={"farhand.loopback.run.Loopback": _Loop}, code=1),
+    "status": Play(instead={"farhand.status.watch.StatusWatch": _Watch, "farhand.status.watch.OVER_NS": 0}),
+    "loopback": Play(instead={"farhand.loopback.measured_run.Loopback": _Loop}, code=1),
     "track": Play(
-        ["--rig", "rig.json", "--left", "a", "--right", "b"], {"farhand.tracking.run.run_track": gives(Summary())}
+        ["--rig", "rig.json", "--left", "a", "--right", "b"], {"farhand.tracking.track_run.run_track": gives(Summary())}
     ),
     "replay": Play(
         ["a.mcap", "--verify"],
@@ -146,7 +146,7 @@ PLAYS: dict[str, Play] = {
     "record repair": Play(["a.mcap"], {"common.recording.repair.repair": gives(Repaired(False, 7, 1.5, 12))}),
     "export lerobot": Play(
         ["a.mcap", "--out", "dataset"],
-        EXPORTS | {"farhand.export.lerobot.run.export_lerobot": gives(ExportSummary(1, 20, 20, ("b",)))},
+        EXPORTS | {"farhand.export.lerobot.dataset_export.export_lerobot": gives(ExportSummary(1, 20, 20, ("b",)))},
     ),
     "export csv": Play(
         ["a.mcap", "--out", "tables"], EXPORTS | {"farhand.export.tables.write.export_csv": gives([Path("a.csv")])}
@@ -170,7 +170,7 @@ PLAYS: dict[str, Play] = {
             ENDS + "measure": gives(([LATENCY], [])),
         },
     ),
-    "doctor": Play(instead={"farhand.doctor.run.examine": gives([warning("disk", "full", "free some")])}),
+    "doctor": Play(instead={"farhand.doctor.examination.examine": gives([warning("disk", "full", "free some")])}),
     "limits": Play(),
     "driver list": Play(),
     "tracker list": Play(),
@@ -178,7 +178,7 @@ PLAYS: dict[str, Play] = {
         ["kinematic"], {"remote_site.runtime.conformance.test_driver": gives({"rests": Verdict.REPEAT})}, code=3
     ),
     "driver new": Play(["my_arm"]),
-    "arm import": Play(["arm.urdf"], {"farhand.arm_import.run.import_arm": gives(["imported: arm.urdf"])}),
+    "arm import": Play(["arm.urdf"], {"farhand.arm_import.import_arm.import_arm": gives(["imported: arm.urdf"])}),
     "config show": Play(["remote"]),
     "config init": Play(["sites"]),
     "config check": Play(["absent.toml"], code=1),

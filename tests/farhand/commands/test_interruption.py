@@ -7,10 +7,10 @@ import pytest
 import farhand.cli
 from common.errors import InterruptionError, ProcessError
 from common.process.service import StopFlag
-from farhand.loopback import run as loopback
+from farhand.loopback import measured_run as loopback
+from farhand.loopback.measured_run import run_loopback
 from farhand.loopback.plan import LoopbackOptions
 from farhand.loopback.recorder import Record
-from farhand.loopback.run import run_loopback
 
 SLOW = "this machine was too slow: the tracking was late"
 

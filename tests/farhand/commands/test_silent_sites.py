@@ -27,7 +27,7 @@ def test_the_endpoint_that_does_not_answer_is_named(
     for patience in ("common.link.request_client", "farhand.authority.asking"):
         monkeypatch.setattr(f"{patience}.PATIENCE_NS", 100 * NS_PER_MS)
     monkeypatch.setattr("farhand.authority.record.LOCAL_PATIENCE_NS", 100 * NS_PER_MS)
-    monkeypatch.setattr("farhand.status.run.PATIENCE_S", 0.1)
+    monkeypatch.setattr("farhand.status.watch.PATIENCE_S", 0.1)
     asker = ["ben"] if words == ("lease", "give") else []
     given = [part for option in options for part in (option, ASKS[option])]
     done: Any = CliRunner().invoke(app, [*words, *asker, *given])

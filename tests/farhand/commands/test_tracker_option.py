@@ -59,7 +59,9 @@ def tracked_with(monkeypatch, *arguments):
 def told_with(monkeypatch, *arguments):
     """The same, and the warnings."""
     seen = []
-    monkeypatch.setattr("farhand.tracking.run.run_track", lambda sources, *_: seen.append(sources.site) or Summary())
+    monkeypatch.setattr(
+        "farhand.tracking.track_run.run_track", lambda sources, *_: seen.append(sources.site) or Summary()
+    )
     result = CliRunner().invoke(app, ["track", "--rig", "r", "--left", "a", "--right", "b", *map(str, arguments)])
     if isinstance(result.exception, ConfigError):
         raise result.exception

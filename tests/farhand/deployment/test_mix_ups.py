@@ -10,7 +10,7 @@ from farhand.commands.options import console_config, load_own
 from farhand.deployment.kinds import KINDS, Configuration
 from farhand.deployment.mix_ups import COMMANDS, mix_up
 from farhand.deployment.shipped import HERE, NAMES
-from farhand.recording.run import load_site
+from farhand.recording.site_recorder import load_site
 from farhand.router import RouterConfig
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig

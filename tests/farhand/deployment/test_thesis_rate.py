@@ -9,8 +9,8 @@ import pytest
 from common.config.loading import load_config
 from common.errors import ProcessError
 from farhand.deployment.shipped import HERE, configuration_files
+from farhand.doctor.examination import examine
 from farhand.doctor.findings import Severity, worst
-from farhand.doctor.run import examine
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.site_process import free_ports
 from lab.experiments.follow import THESIS_SMOOTHING

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from farhand.doctor import landmarks
+from farhand.doctor.examination import examine_local
 from farhand.doctor.landmarks import check_landmarks, probe_landmarks
-from farhand.doctor.run import examine_local
 from local_site.config import LocalConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.landmarks.model_files import FOLDER, MODEL_FILES

@@ -26,10 +26,10 @@ from common.link.transport import open_link
 from common.messages.requests import ClockAnswer
 from farhand.cli import app
 from farhand.doctor.cameras import check_camera, probe_camera, probe_rig
+from farhand.doctor.examination import examine, which_site
 from farhand.doctor.findings import Severity
-from farhand.doctor.run import examine, which_site
 from farhand.doctor.site import probe_clock, probe_port
-from farhand.loopback.site_process import free_ports
+from farhand.loopback.site_process import free_ports, options_of
 from farhand.router import RouterConfig
 from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
@@ -242,8 +242,7 @@ def test_warnings_alone_are_no_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     listen, remote = free_ports(2)
     ports = (f"links.listen=tcp/127.0.0.1:{listen}", f"links.remote=tcp/127.0.0.1:{remote}")
     config = Path(__file__).parents[3] / "farhand/deployment/sites/local.toml"
-    settings = [part for setting in ports for part in ("--set", setting)]
-    done = CliRunner().invoke(app, ["doctor", "--config", str(config), *settings])
+    done = CliRunner().invoke(app, ["doctor", "--config", str(config), *options_of(ports)])
     assert done.exit_code == 0, done.output
     assert "warning  clocks: the remote site does not answer" in done.output
 

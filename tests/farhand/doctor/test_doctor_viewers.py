@@ -7,8 +7,8 @@ import pytest
 
 from common.link.config import TlsConfig, ViewersConfig
 from farhand.certificates.folder import CertificateOrder, add_router, create
+from farhand.doctor.examination import examine_config
 from farhand.doctor.findings import Finding, Severity
-from farhand.doctor.run import examine_config
 from farhand.router import RouterConfig
 from tests.common.link.secured_cell import CELL, free_port, secured
 

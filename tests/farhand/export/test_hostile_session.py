@@ -10,7 +10,7 @@ import pytest
 
 from common.clock import NS_PER_S
 from common.errors import ConfigError, ExportError, InterruptionError, RecordingError
-from farhand.export.lerobot.run import ExportSettings, export_lerobot
+from farhand.export.lerobot.dataset_export import ExportSettings, export_lerobot
 from farhand.export.resampling import MOST_INSTANTS
 from farhand.export.session import RecordedSession, SessionEpisode, SessionFacts, SessionSignals, episode_at
 from farhand.export.tables.write import export_csv

@@ -30,8 +30,8 @@ from farhand.loopback.figures import (
     tracking_figures,
     troubles,
 )
+from farhand.loopback.measured_run import write_report
 from farhand.loopback.recorder import CameraRecord
-from farhand.loopback.run import write_report
 from tests.common.messages.golden_examples import HAND
 
 MS = 1_000_000

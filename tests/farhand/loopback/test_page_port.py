@@ -65,7 +65,7 @@ def test_with_the_browser_open_a_run_lasts_until_ctrl_c(
 ) -> None:
     seen: list[tuple[float, bool]] = []
     monkeypatch.setattr(
-        "farhand.loopback.run.run_loopback",
+        "farhand.loopback.measured_run.run_loopback",
         lambda options, *_, shows, **__: seen.append((options.seconds, shows is show_page)),
     )
     assert CliRunner().invoke(app, ["loopback", *arguments]).exit_code == 0

@@ -7,7 +7,7 @@ import pytest
 
 from farhand.loopback import site_process
 from farhand.loopback.site_process import SiteProcess
-from tests.waiting import until
+from lab.stage.waiting import until
 
 SAYING = "import sys; print({text!r}, file=sys.stderr); sys.exit(3)"
 STUBBORN = """

@@ -10,7 +10,7 @@ from common.clock import NS_PER_S
 from common.errors import RefusedError
 from common.messages.hand import Locks
 from common.messages.robot import GripperCommand, GripperStatus, SessionState
-from lab.experiments.stepped.site import SESSION
+from lab.stage.stepped.site import SESSION
 from local_site.programmed.approach import approach
 from local_site.programmed.path_progress import PathProgress
 from local_site.programmed.path_run import ENDED, WAITS

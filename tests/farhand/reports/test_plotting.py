@@ -6,6 +6,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pytest
 
 from common.cameras.camera import Image
 from farhand.reports.plotting import describe_panel, panels, png, widen

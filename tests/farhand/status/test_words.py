@@ -11,7 +11,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.robot import LoopTiming, SessionState, VideoLink
 from common.messages.video import CameraStatus
 from farhand.status.observed import Observed
-from farhand.status.run import as_lines, screen
+from farhand.status.watch import as_lines, screen
 from farhand.status.words import Mood, rows_of
 
 NOW_NS = 500 * NS_PER_S

@@ -5,7 +5,7 @@ import pty
 import sys
 import termios
 
-from farhand.teach.run import TerminalKeys, terminal_keys
+from farhand.teach.task_run import TerminalKeys, terminal_keys
 from local_site.programmed.path_progress import RunOrder
 
 

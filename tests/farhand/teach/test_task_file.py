@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from common.errors import ConfigError
-from farhand.teach.run import frame_from
 from farhand.teach.show import plotted
 from farhand.teach.task_file import TaughtFrame, load_task
+from farhand.teach.task_run import frame_from
 from farhand.teach.writing import as_toml
 from tests.farhand.teach.example_task import TASK
 

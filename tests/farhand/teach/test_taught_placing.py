@@ -11,8 +11,8 @@ from farhand.teach.planning import planned_path
 from farhand.teach.task_file import TaskFile, TaskOrigin, TaughtFrame
 from lab.experiments.placing.judge import Judge, Placed
 from lab.experiments.placing.trial import MOST_S, Conditions, _Trial, remote_config
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import SteppedSite
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import SteppedSite
 from local_site.programmed.path_progress import PathProgress
 from remote_site.config import RemoteConfig
 from tests.led_cell import LedCell, robot_state

@@ -117,7 +117,7 @@ def test_a_live_camera_needs_a_rate_for_the_video(track, monkeypatch):
         def close(self):
             pass
 
-    monkeypatch.setattr("farhand.tracking.run.open_rig_cameras", lambda *_: [Live("left"), Live("right")])
+    monkeypatch.setattr("farhand.tracking.track_run.open_rig_cameras", lambda *_: [Live("left"), Live("right")])
     done = track("--left", "0", "--right", "1", "--video", "overlay.mp4")
     assert done.code == 2
     assert "live cameras do not state their frame rate; give it with --fps" in done.err

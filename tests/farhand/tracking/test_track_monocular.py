@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from common.config.loading import load_config
 from common.errors import ConfigError, TrackingError
 from farhand.cli import app
-from farhand.tracking.run import joint_settings
+from farhand.tracking.track_run import joint_settings
 from local_site.calibration.rig_file import save_rig
 from local_site.config import LocalConfig
 from local_site.simulation.hazel import Swing, film_camera, film_pixel, hazel_film

@@ -13,9 +13,9 @@ from common.cameras.camera import Frame
 from common.errors import CameraError, ConfigError
 from farhand.tracking.recorded_pairs import RecordedPairs
 from farhand.tracking.results.outputs import TrackOutputs, annotated_pictures, json_lines
-from farhand.tracking.run import TrackSources, run_track
 from farhand.tracking.summary import describe
 from farhand.tracking.track import track_recording
+from farhand.tracking.track_run import TrackSources, run_track
 from local_site.calibration.control_points import CAMERAS
 from local_site.calibration.rig import Rig
 from local_site.calibration.rig_file import save_rig

@@ -8,8 +8,7 @@ from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from lab.experiments.follow import OBJECT_M, cell_with_block
 from lab.experiments.following import Film, ToolPath, follow_by_pipeline, follow_on_robot
-from lab.experiments.stepped.robots import SteppedCell, SteppedController
-from lab.experiments.stepped.site import SteppedRobot
+from lab.stage.stepped.robots import SteppedCell, SteppedController, SteppedRobot
 from local_site.samples.smoothing import SmoothingConfig
 from local_site.simulation.config import MotionConfig, MotionName, SimulationConfig
 from local_site.simulation.operator import SimulatedOperator

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from lab.films.arm.skin import TONES
-from lab.films.composed import ComposedFilm, composed_film
-from lab.films.cutout import cut_out
+from lab.films.composed import ComposedFilm, composed_film, cut_out
 from lab.films.scenes import RECORDINGS
 from lab.films.surroundings import FilmSetting
 from local_site.calibration.triangulation import project

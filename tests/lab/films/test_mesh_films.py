@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from common.errors import ConfigError
-from lab.films.arm.arm_mesh import MESH, load_arm_mesh
+from lab.films.arm.arm_mesh import load_arm_mesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.posing import PosedArm
 from lab.films.arm.postures import posture_angles
@@ -15,8 +15,6 @@ from lab.films.listing import mesh_films
 from lab.films.meshed import FilmedArm, MeshFilm, mesh_film
 from lab.films.surroundings import FilmSetting
 from local_site.calibration.triangulation import project
-
-pytestmark = pytest.mark.skipif(not MESH.exists(), reason="the arm's mesh is not here")
 
 QUIET = FilmSetting(shutter_s=0.0, noise=0.0)
 SMALL = MeshFilm(name="small", setting=QUIET, size=(320, 240), seconds=0.2)
@@ -70,7 +68,7 @@ def test_the_index_ends_at_its_truth():
 @pytest.mark.parametrize("body", ["average", "thin", "muscular"])
 @pytest.mark.parametrize("motion", ["carry", "turn", "elbow_swing", "toggle"])
 def test_bones_keep_their_lengths_in_every_motion(body, motion):
-    mesh = load_arm_mesh(MESH, body)
+    mesh = load_arm_mesh(body)
     arm = ArmMotion(motion, mesh.upper_arm_m, mesh.forearm_m, 0.3, seed=1)
     for t_s in np.arange(0.0, 7.0, 0.25):
         pose = arm.pose(t_s)
@@ -80,7 +78,7 @@ def test_bones_keep_their_lengths_in_every_motion(body, motion):
 
 
 def test_the_elbow_swings_through_ninety_degrees():
-    mesh = load_arm_mesh(MESH, "average")
+    mesh = load_arm_mesh("average")
     arm = ArmMotion("elbow_swing", mesh.upper_arm_m, mesh.forearm_m, 0.3, seed=1)
     forearms = [(p.wrist - p.elbow) / mesh.forearm_m for p in map(arm.pose, np.arange(0.0, 3.0, 0.1))]
     cosines = np.array(forearms) @ np.array(forearms).T
@@ -88,7 +86,7 @@ def test_the_elbow_swings_through_ninety_degrees():
 
 
 def test_postures_differ_as_their_names_say():
-    mesh = load_arm_mesh(MESH, "average")
+    mesh = load_arm_mesh("average")
     pose = ArmMotion("hold", mesh.upper_arm_m, mesh.forearm_m, 0.3, seed=1).pose(0.0)
     arm = PosedArm(mesh)
     reach, gap = {}, {}

@@ -5,7 +5,6 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from lab.films.arm.arm_mesh import MESH
 from lab.films.picture.rigs import film_cameras
 from lab.films.room.backdrop import SeenRoom
 from lab.films.room.rooms import (
@@ -30,8 +29,6 @@ RED, GREEN = (0, 0, 255), (0, 255, 0)
 
 @pytest.mark.parametrize("name", get_args(RoomName))
 def test_a_room_is_another_for_each_seed_and_the_same_for_one(name):
-    if name == "poster" and not MESH.exists():
-        pytest.skip("the arm's mesh is not here")
     one, same, other = furnished(name, 1), furnished(name, 1), furnished(name, 2)
     assert np.array_equal(one.wall, same.wall)
     assert not np.array_equal(one.wall, other.wall)

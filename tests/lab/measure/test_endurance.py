@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from lab.measure.endurance.run import Usage, growth, usage_of
+from lab.measure.endurance import Usage, growth, usage_of
 
 HOUR_S = 3600
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lab.measure.soak.run import ROBOTS, soak
+from lab.measure.soak.worst_commands import ROBOTS, soak
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.safety.clearance import TOLERANCE
 

@@ -10,7 +10,7 @@ import pytest
 from lab.mutants import known, run
 from lab.mutants.known import KnownResults, Result, key_of
 from lab.mutants.operators import mutants_of
-from lab.mutants.run import Job
+from lab.mutants.survivors import Job
 from lab.mutants.targets import TARGETS, Target
 
 ROOT = Path(__file__).parents[3]
@@ -20,7 +20,7 @@ from functools import partial
 from pathlib import Path
 import remote_site.session.lease
 from lab.mutants.operators import Mutant
-from lab.mutants.run import PASSED, _start, _tested_with
+from lab.mutants.survivors import PASSED, _start, _tested_with
 from lab.mutants.targets import Target
 path = Path("remote_site/session/lease.py")
 target = Target(path, 1, (Path("tests/remote_site/session/test_lease.py"),))
@@ -98,7 +98,7 @@ def test_another_change_of_the_file_or_of_its_tests_is_tried_anew(jobs: list[Job
 
 def test_the_choice_of_mutants_is_the_same_at_every_start() -> None:
     script = (
-        "from lab.mutants.run import TARGETS, _mutants, key_of\n"
+        "from lab.mutants.survivors import TARGETS, _mutants, key_of\n"
         "print(*(key_of(target, mutant) for target in TARGETS[:4] for mutant in _mutants(target)))"
     )
     starts = [

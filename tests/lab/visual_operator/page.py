@@ -7,8 +7,8 @@ from msgspec.structs import replace
 from common.errors import CameraError
 from common.messages.robot import GripperStatus
 from lab.experiments.placing.streamed_views import PICTURE_NS, StreamedViews
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import SteppedSite
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import SteppedSite
 from lab.visual_operator.shown import ShownPage
 from remote_site.config import RemoteConfig
 

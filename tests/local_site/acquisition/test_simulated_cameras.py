@@ -11,6 +11,7 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import CameraError, ConfigError
+from lab.stage.waiting import until
 from local_site.acquisition.simulated_cameras import (
     SLOTS,
     Beginning,
@@ -215,10 +216,7 @@ def test_the_renderer_dies_with_its_parent():
         renderer = int(parent.stdout.readline())
         assert running(renderer)
         parent.kill()
-    deadline = time.monotonic() + 20.0
-    while running(renderer) and time.monotonic() < deadline:
-        time.sleep(0.02)
-    assert not running(renderer)
+    until(lambda: not running(renderer), "the end of its renderer", 20.0)
 
 
 def test_a_motion_out_of_reach_is_refused_before_any_process_starts():

@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 import pytest
 from structlog.testing import capture_logs
 
-from farhand.loopback.site_process import free_ports
+from farhand.loopback.site_process import free_ports, options_of
 from lab.measure.page.bare_console import BareConsole
 from local_site.console.server import LibraryLog
 
@@ -43,7 +43,7 @@ def frozen_page(port: int) -> socket.socket:
 def test_it_ends_in_time_with_a_frozen_page_and_a_stop_that_nobody_answers():
     port, *nobody = free_ports(4)
     links = [f"links.{name}=tcp/127.0.0.1:{n}" for name, n in zip(("control", "video", "local"), nobody, strict=True)]
-    settings = [part for setting in (*links, f"serve.port={port}") for part in ("--set", setting)]
+    settings = options_of([*links, f"serve.port={port}"])
     command = [sys.executable, "-m", "farhand", "console", "--log-format", "json", *settings]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as console:
         try:

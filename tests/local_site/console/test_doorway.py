@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from farhand.certificates.folder import CertificateOrder, create
+from lab.stage.waiting import until
 from local_site.console.config import ServeConfig
 from local_site.console.doorway import MOST_AT_ONCE, Doorway
 from local_site.console.server import bind, make_server
@@ -100,10 +101,7 @@ def test_the_page_answers_beside_half_open_handshakes(tmp_path: Path) -> None:
 
 
 def _few_stay(connections: list[socket.socket]) -> None:
-    deadline_s = time.monotonic() + PATIENCE_S
-    while still_open(connections) > MOST_AT_ONCE:
-        assert time.monotonic() < deadline_s
-        time.sleep(0.05)
+    until(lambda: still_open(connections) <= MOST_AT_ONCE, "the others to be closed", PATIENCE_S)
 
 
 class _Connection:

@@ -79,8 +79,10 @@ class Room:
         self.handler = PageMessageHandler(
             seat, Outlets(self.intent.put, self.shown.put), self.sites, Latencies(), self.history, 9
         )
-        self.handler.lease = LEASE
-        self.handler.adopt(OperatorSettings(lease=LEASE), NS_PER_S)
+        self.adopt(OperatorSettings(lease=LEASE))
+
+    def adopt(self, in_force: OperatorSettings | None, now_ns: int = NS_PER_S, lease: int = LEASE) -> None:
+        self.handler.adopt(in_force, lease, "", now_ns)
 
     def say(self, page: Told, **said: object) -> None:
         self.handler.handle(page, parse(msgspec.json.encode(said).decode()), NS_PER_S)

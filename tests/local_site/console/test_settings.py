@@ -15,7 +15,7 @@ LOCKED = OperatorSettings(lease=LEASE, revision=3, scale=0.5, locks=Locks(z=True
 def room() -> Iterator[Room]:
     """A console that has just started: its operator holds the lease, and no state has come."""
     room = Room()
-    room.handler.adopt(None, NS_PER_S)
+    room.adopt(None)
     yield room
     room.sites.slow.set()
     room.handler.close()
@@ -33,12 +33,12 @@ def test_before_the_first_state_no_settings_are_sent_and_none_can_be_changed(roo
     room.say(room.first, type="steer", scale=2.0)
     room.say(room.first, type="new_origins")
     assert sent(room) == Intent(settings=None)
-    room.handler.adopt(LOCKED, NS_PER_S)
+    room.adopt(LOCKED)
     assert sent(room) == Intent(settings=LOCKED)
 
 
 def test_a_change_counts_from_the_settings_in_force(room: Room) -> None:
-    room.handler.adopt(LOCKED, NS_PER_S)
+    room.adopt(LOCKED)
     room.say(room.first, type="steer", locks={"x": True})
     assert room.handler.settings == OperatorSettings(lease=LEASE, revision=4, scale=0.5, locks=Locks(x=True, z=True))
     room.say(room.first, type="new_origins")
@@ -47,49 +47,48 @@ def test_a_change_counts_from_the_settings_in_force(room: Room) -> None:
 
 
 def test_what_is_no_change_takes_no_new_origins(room: Room) -> None:
-    room.handler.adopt(LOCKED, NS_PER_S)
+    room.adopt(LOCKED)
     room.say(room.first, type="steer", scale=0.5, locks={"z": True})
     assert room.handler.settings == LOCKED
 
 
 def test_a_state_from_before_a_change_does_not_take_it_back_and_one_after_it_does(room: Room) -> None:
-    room.handler.adopt(LOCKED, NS_PER_S)
+    room.adopt(LOCKED)
     room.say(room.first, type="steer", scale=2.0)
     changed = room.handler.settings
-    room.handler.adopt(LOCKED, NS_PER_S)
+    room.adopt(LOCKED)
     assert room.handler.settings == changed
     bounded = OperatorSettings(lease=LEASE, revision=4, scale=1.5, locks=Locks(z=True))
-    room.handler.adopt(bounded, NS_PER_S)
+    room.adopt(bounded)
     assert room.handler.settings == bounded
 
 
 def test_without_settings_in_force_none_are_known(room: Room) -> None:
-    room.handler.adopt(LOCKED, NS_PER_S)
-    room.handler.adopt(None, NS_PER_S)
+    room.adopt(LOCKED)
+    room.adopt(None)
     assert sent(room) == Intent(settings=None)
 
 
 def test_a_change_in_another_console_of_the_operator_is_adopted(room: Room) -> None:
-    room.handler.adopt(LOCKED, NS_PER_S)
+    room.adopt(LOCKED)
     room.say(room.first, type="steer", scale=2.0)
     elsewhere = OperatorSettings(lease=LEASE, revision=5, scale=0.1)
-    room.handler.adopt(elsewhere, NS_PER_S)
+    room.adopt(elsewhere)
     assert room.handler.settings == elsewhere
 
 
 def test_a_new_lease_brings_its_own_settings(room: Room) -> None:
-    room.handler.adopt(LOCKED, NS_PER_S)
+    room.adopt(LOCKED)
     room.say(room.first, type="steer", scale=2.0)
     granted = OperatorSettings(lease=LEASE + 1)
-    room.handler.lease = LEASE + 1
+    room.adopt(room.handler.settings, lease=LEASE + 1)
     assert sent(room) == Intent(settings=None)
-    room.handler.adopt(granted, NS_PER_S)
+    room.adopt(granted, lease=LEASE + 1)
     assert sent(room) == Intent(settings=granted)
 
 
 def test_the_settings_of_another_operator_are_shown_and_neither_changed_nor_sent(room: Room) -> None:
-    room.handler.lease = 0
-    room.handler.adopt(LOCKED, NS_PER_S)
+    room.adopt(LOCKED, lease=0)
     room.say(room.first, type="steer", scale=2.0)
     assert room.handler.settings == LOCKED
     assert sent(room) == Intent(settings=None)
@@ -118,12 +117,12 @@ def test_where_nobody_has_operated_nothing_is_sent(room: Room) -> None:
 
 
 def test_a_change_that_is_not_in_force_after_a_second_is_dropped_and_never_takes_effect_later(room: Room) -> None:
-    room.handler.adopt(LOCKED, NS_PER_S)
+    room.adopt(LOCKED)
     room.say(room.first, type="steer", locks={"z": False})
     changed = room.handler.settings
-    room.handler.adopt(LOCKED, 2 * NS_PER_S)
+    room.adopt(LOCKED, 2 * NS_PER_S)
     assert room.handler.settings == changed
-    room.handler.adopt(LOCKED, 2 * NS_PER_S + 1)
+    room.adopt(LOCKED, 2 * NS_PER_S + 1)
     assert room.handler.settings == LOCKED
     assert sent(room) == Intent(settings=LOCKED)
     assert "not taken" in room.history.events[0].text

@@ -11,10 +11,10 @@ from common.link.transport import Link, open_link
 from common.messages.requests import RecordAction, RecordRequest
 from common.recording.config import OperatorRecordConfig
 from farhand.loopback.site_process import free_ports
+from lab.stage.waiting import until
 from local_site.authority.config import AuthorityConfig
 from local_site.config import LocalConfig, LocalLinksConfig
 from local_site.recording.source import OperatorSource
-from tests.waiting import until
 
 PATIENCE_S = 10.0
 CELL, NAME = "cell", "anna"

@@ -33,7 +33,7 @@ class Led:
         """40 ms later the marker is seen, and a sample is followed."""
         self.now_ns += 40 * MS
         self.assist.see((seen(self.now_ns, BASE_T_MARKER),))
-        self.assist.hear(intent, self.now_ns)  # type: ignore[arg-type]
+        self.assist.observe_intent(intent, self.now_ns)  # type: ignore[arg-type]
         self.assist.tick(self.now_ns)
         self.assist.step(hand, self.now_ns, self.tool, self.tool, self.now_ns, True)
 

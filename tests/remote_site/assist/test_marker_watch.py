@@ -31,7 +31,7 @@ def look(pose, views=VIEWS, family=FAMILY, seed=1, shown=None, tool=None, aged_n
         projection = np.reshape(seen.projection, (3, 4)) @ (inverse(tool) if seen.on_tool else np.eye(4))
         markers = [(family, NUMBER, SIZE_M, each) for each in poses]
         found = detector.find(picture(projection, markers, rng))
-        watch.take(name, NOW_NS - aged_ns, found, tool)
+        watch.observe(name, NOW_NS - aged_ns, found, tool)
     (sighting,) = watch.sightings(NOW_NS)
     return sighting
 
@@ -120,14 +120,14 @@ def test_pictures_that_are_too_old_show_nothing():
 def test_of_several_pictures_that_are_too_old_the_newest_is_told():
     watch = MarkerWatch(AssistConfig(targets=(TARGET,)), VIEWS)
     for name, age_ms in zip(VIEWS, (900, 600), strict=True):
-        watch.take(name, NOW_NS - age_ms * 1_000_000, FoundMarkers({}), None)
+        watch.observe(name, NOW_NS - age_ms * 1_000_000, FoundMarkers({}), None)
     (sighting,) = watch.sightings(NOW_NS)
     assert sighting.refusal.sentence.endswith("the pictures are 600 ms old")
 
 
 def test_a_view_with_too_many_candidates_says_so_while_its_picture_is_fresh():
     watch = MarkerWatch(AssistConfig(targets=(TARGET,)), VIEWS)
-    watch.take("front_low", NOW_NS, FoundMarkers({}, (NUMBER,)), None)
+    watch.observe("front_low", NOW_NS, FoundMarkers({}, (NUMBER,)), None)
     for age_ms, expected in ((450, Code.MARKER_CROWDED), (451, Code.MARKER_STALE)):
         (sighting,) = watch.sightings(NOW_NS + age_ms * 1_000_000)
         assert code(sighting) is expected
@@ -148,7 +148,7 @@ def test_views_that_are_wrongly_calibrated_contradict_each_other():
         found = detector.find(picture(np.reshape(seen.projection, (3, 4)), markers, rng))
         if name == "front_low":
             found = FoundMarkers({NUMBER: [found.corners[NUMBER][0] + (0.0, 6.0)]})
-        watch.take(name, NOW_NS, found, None)
+        watch.observe(name, NOW_NS, found, None)
     (sighting,) = watch.sightings(NOW_NS)
     assert code(sighting) is Code.MARKER_CONTRADICTED
 

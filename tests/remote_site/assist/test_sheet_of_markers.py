@@ -124,8 +124,8 @@ def test_a_look_ends_in_time_and_the_next_ones_of_the_view_begin_with_what_it_le
 def test_what_is_not_reached_is_as_before_while_that_is_fresh_and_then_refused():
     watch = MarkerWatch(AssistConfig(targets=TARGETS[:1]), VIEWS)
     for view in VIEWS:
-        watch.take(view, 0, FoundMarkers({0: [SQUARE, SQUARE]}), None)
-        watch.take(view, FRESH_NS, FoundMarkers({}, (0,)), None)
+        watch.observe(view, 0, FoundMarkers({0: [SQUARE, SQUARE]}), None)
+        watch.observe(view, FRESH_NS, FoundMarkers({}, (0,)), None)
     assert watch.sightings(FRESH_NS)[0].refusal.code is Code.MARKER_DOUBLED
     (sighting,) = watch.sightings(FRESH_NS + 1)
     assert sighting.refusal.code is Code.MARKER_CROWDED

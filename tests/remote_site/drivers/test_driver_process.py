@@ -16,6 +16,7 @@ from common.host_clock import MonotonicClock
 from common.messages.robot import GripperCommand
 from common.process.children import END, Children
 from common.process.service import StopFlag, ask_for_real_time
+from lab.stage.waiting import until
 from remote_site.config import RemoteConfig
 from remote_site.drivers import link as driver_link
 from remote_site.drivers.c500c.config import C500cConfig
@@ -34,11 +35,11 @@ from remote_site.drivers.registry import DriverHost
 from remote_site.drivers.simulated import SimulatedDriver
 from remote_site.drivers.supervisor import reading_check, watched_driver
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.runtime import driver_process as process
 from remote_site.safety.stopping import stopping
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import SimulatedCell, run_cell
+from tests.remote_site.drivers.leading_control import LeadingControl
 from tests.remote_site.remote_loop import arm
 
 STARVED_NS = 2 * NS_PER_S  # that is how long other tests may keep the simulated robot from its processor
@@ -115,21 +116,16 @@ class Rig:
 def control(memory):
     """Activate, then go to a far goal and back until killed: a busy machine may hide one way from the watcher."""
     ask_for_real_time(50)
-    link, follower = DriverLink(memory, LIMITS, CLOCK), JerkLimitedTracker(LIMITS, DT)
-    start = CONFIG.robot.start
+    link, start = DriverLink(memory, LIMITS, CLOCK), CONFIG.robot.start
     link.activate(start)
     while (fault := link.read().fault) is not None:
         time.sleep(0.01)
         if fault.code is FaultCode.REFUSED:
             link.activate(start)
-    sent, goal, other = JointMotion.at_rest(start), start + np.array([2.4, 0, 0, 0, 0, 0]), start
-    for seq in range(1, 100_000):
-        link.read()
-        follower.reset(sent)
-        motion = follower.track(JointMotion.at_rest(goal))
-        command = JointCommand(seq, CLOCK.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
-        sent = link.write(command).motion
-        if np.abs(sent.q - goal).max() < 0.001:
+    leading, goal, other = LeadingControl(link, LIMITS, CLOCK, start), start + np.array([2.4, 0, 0, 0, 0, 0]), start
+    for _ in range(100_000):
+        leading.order(goal)
+        if np.abs(leading.sent.q - goal).max() < 0.001:
             goal, other = other, goal
         time.sleep(DT)
 
@@ -235,10 +231,8 @@ def test_a_driver_that_blocks_is_seen_from_outside_while_control_goes_on(make_ri
     link = DriverLink(rig.memory, LIMITS, CLOCK)
     link.activate(CONFIG.robot.start)
     rest = JointMotion.at_rest(CONFIG.robot.start)
+    until(lambda: link.read().ready, "the driver")
     deadline = time.monotonic() + PATIENCE_S
-    while not link.read().ready:
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
     seq = 0
     while (fault := link.read().fault) is None:
         assert time.monotonic() < deadline

@@ -7,6 +7,7 @@ from common.clock import NS_PER_MS
 from remote_site.motion.catch_up import CATCH_UP_M_S, CATCH_UP_RAD_S, LEARNING, CatchUp, decay_rate, slower_rate
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_predictor import TargetPredictor
+from tests.remote_site.motion.aimed import aim
 
 PERIOD_MS = 33
 TICK_MS = 4
@@ -42,9 +43,9 @@ def test_what_may_decay_at_the_full_rate_is_no_slow_part_any_more(samples: int) 
     catch_up = CatchUp(60 * NS_PER_MS, lambda _q, dq: (abs(dq[0]), 0.0))
     catch_up.reset(0, 20.0)
     for k in range(samples):
-        catch_up.hear(k * PERIOD_MS * NS_PER_MS, 1.0)
-    assert catch_up.take([0.0], [0.001], [0.0], 20.0, [0.001]) == [0.0]
-    (slow,) = catch_up.take([0.0], [0.02], [0.0], 20.0, [0.02])
+        catch_up.note_arrival(k * PERIOD_MS * NS_PER_MS, 1.0)
+    assert catch_up.update_slow_part([0.0], [0.001], [0.0], 20.0, [0.001]) == [0.0]
+    (slow,) = catch_up.update_slow_part([0.0], [0.02], [0.0], 20.0, [0.02])
     assert catch_up.rate * slow == pytest.approx(CATCH_UP_M_S)
 
 
@@ -60,7 +61,7 @@ def speeds(speed_m_s: float, silent_at: int = 0, age_ms: int = 40) -> tuple[np.n
         if not 0 < silent_at <= k < silent_at + 6:
             q = np.zeros(6)
             q[0] = speed_m_s * k * PERIOD_MS / 1e3
-            predictor.aim((now_ms - age_ms) * NS_PER_MS + 1, q, now_ms * NS_PER_MS)
+            aim(predictor, (now_ms - age_ms) * NS_PER_MS + 1, q, now_ms * NS_PER_MS)
         for tick_ms in range(now_ms, now_ms + PERIOD_MS, TICK_MS):
             place, speed, _ = predictor.at(tick_ms * NS_PER_MS)
             places.append(place[0] - speed_m_s * (tick_ms + age_ms) / 1e3)
@@ -95,7 +96,7 @@ def test_whatever_the_hand_did_while_samples_were_missing(then_m_s: float, silen
     for k in range(1, 70):
         now_ms, place = k * PERIOD_MS + age_ms, (0.1 * min(k, 39) + then_m_s * max(k - 39, 0)) * PERIOD_MS / 1e3
         if not 40 <= k < 40 + silent:
-            predictor.aim(k * PERIOD_MS * NS_PER_MS, place * np.eye(6)[0], now_ms * NS_PER_MS)
+            aim(predictor, k * PERIOD_MS * NS_PER_MS, place * np.eye(6)[0], now_ms * NS_PER_MS)
         speeds = [predictor.at(tick_ms * NS_PER_MS)[1][0] for tick_ms in range(now_ms, now_ms + PERIOD_MS, TICK_MS)]
         fastest = max(fastest, *np.abs(speeds)) if k >= 40 + silent else 0.0
     assert fastest <= OVERSHOOT * abs(then_m_s) + CATCH_UP_M_S
@@ -107,7 +108,7 @@ def test_when_samples_cease_the_target_goes_on_for_as_long_however_old_they_were
     predictor.reset(0, np.zeros(6))
     for k in range(1, 60):
         q = 0.1 * k * PERIOD_MS / 1e3 * np.eye(6)[0]
-        predictor.aim(k * PERIOD_MS * NS_PER_MS, q, (k * PERIOD_MS + age_ms) * NS_PER_MS)
+        aim(predictor, k * PERIOD_MS * NS_PER_MS, q, (k * PERIOD_MS + age_ms) * NS_PER_MS)
         predictor.at((k * PERIOD_MS + age_ms) * NS_PER_MS)
     rest = predictor.at(10_000 * NS_PER_MS)[0][0]
     assert rest - q[0] == pytest.approx(0.1 * 0.1, abs=5e-4)  # 60 ms, and what is made up of their age
@@ -118,8 +119,8 @@ def test_later_samples_are_followed_as_quickly_as_ever(predict_ms: float) -> Non
     predictor = TargetPredictor(6, ControlConfig(predict_ms=predict_ms))
     predictor.reset(0, np.zeros(6))
     for k in range(1, LEARNING + 2):
-        predictor.aim(k * PERIOD_MS * NS_PER_MS, np.zeros(6), k * PERIOD_MS * NS_PER_MS)
+        aim(predictor, k * PERIOD_MS * NS_PER_MS, np.zeros(6), k * PERIOD_MS * NS_PER_MS)
     moved = np.array([0.05, 0.0, 0.0, 0.0, 0.0, 0.0])
     now_ms = (LEARNING + 2) * PERIOD_MS
-    predictor.aim(now_ms * NS_PER_MS, moved, now_ms * NS_PER_MS)
+    aim(predictor, now_ms * NS_PER_MS, moved, now_ms * NS_PER_MS)
     assert max(predictor.at((now_ms + t) * NS_PER_MS)[1][0] for t in range(0, 60, TICK_MS)) > 2 * CATCH_UP_M_S

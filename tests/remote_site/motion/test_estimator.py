@@ -22,7 +22,7 @@ def gains(deviations: list[float]) -> FilterGains:
     """Those after all of the deviations."""
     found = Gains(CONFIG)
     found.reset(1)
-    return [found.take([deviation]) for deviation in deviations][-1]
+    return [found.update([deviation]) for deviation in deviations][-1]
 
 
 def test_the_gains_are_those_in_motion_for_deviations_to_one_side_and_never_more() -> None:
@@ -56,7 +56,7 @@ def test_a_deviation_changes_the_estimates_by_their_gains_or_by_all_of_it_after_
         elapsed_s = (t_ns - estimator.sample_ns) / NS_PER_S
         ((at, speed, change),) = Transition.over(elapsed_s).of(estimator.states)
         place = 2.0 * (t_ns / NS_PER_S) ** 3
-        estimator.take(t_ns, np.array([place]), None, moving=True, settled=True)
+        estimator.update(t_ns, np.array([place]), None, moving=True, settled=True)
     period_s, off = period_ms / 1e3, place - at
     after = estimator.states[0]
     assert after[0] - at == pytest.approx(MOVING.position * off, rel=0.1)

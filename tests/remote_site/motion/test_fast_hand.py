@@ -14,6 +14,7 @@ from remote_site.motion.target_predictor import TargetPredictor
 from remote_site.reasons import Code
 from remote_site.safety.guard import JointGuard, Passed
 from tests.remote_site.arms_followed import smooth
+from tests.remote_site.motion.aimed import aim
 from tests.remote_site.remote_loop import TICK_NS, arm
 
 _, LIMITS = arm()
@@ -106,7 +107,7 @@ def predicted(hand: Callable[[float], float], age_ms: float, seconds: float) -> 
         now_ms = k * TICK_NS / NS_PER_MS
         while pending and pending[0] + age_ms <= now_ms:
             t_ms = pending.pop(0)
-            predictor.aim(t_ms * NS_PER_MS, np.array([hand(t_ms / 1e3)]), k * TICK_NS)
+            aim(predictor, t_ms * NS_PER_MS, np.array([hand(t_ms / 1e3)]), k * TICK_NS)
         times.append(k * DT)
         places.append(predictor.at(k * TICK_NS)[0][0])
     return np.array(times), np.array(places)

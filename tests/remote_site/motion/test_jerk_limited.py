@@ -14,11 +14,13 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.motion.target_predictor import TargetPredictor, joint_target_predictor
-from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
+from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code, Reason
 from remote_site.safety.guard import JointGuard, Passed
 from remote_site.teleop.config import prediction
 from tests.remote_site.arms_followed import figure_of_eight
+from tests.remote_site.motion.aimed import aim
 from tests.remote_site.remote_loop import TICK_NS, arm
 
 DT = 0.004
@@ -38,7 +40,7 @@ def follow(predictor, samples, seconds, latency_s=0.0):
         now_ns = round(k * DT * NS_PER_S)
         while pending and pending[0][0] + latency_s <= k * DT:
             t, q = pending.pop(0)
-            predictor.aim(round(t * NS_PER_S), q, now_ns)
+            aim(predictor, round(t * NS_PER_S), q, now_ns)
         before = follower.motion
         motion = follower.track(JointMotion(*predictor.at(now_ns)))
         assert isinstance(motion, JointMotion)
@@ -86,10 +88,10 @@ def test_the_speed_scale_slows_the_follower():
 def test_a_sample_that_comes_after_the_course_has_ended_counts_as_any_other():
     predictor, way = joint_target_predictor(MODEL, LIMITS, EXACT), 0.02 * np.eye(6)[0]
     predictor.reset(0, START)
-    predictor.aim(40 * NS_PER_MS, START + 0.04 * way, 100 * NS_PER_MS)
+    aim(predictor, 40 * NS_PER_MS, START + 0.04 * way, 100 * NS_PER_MS)
     place, speed = (number[0] / way[0] for number in predictor.at(250 * NS_PER_MS)[:2])
     assert (place, speed) == (pytest.approx(0.14, abs=0.02), pytest.approx(0.0, abs=0.5))  # at 160 ms, 20 behind
-    predictor.aim(80 * NS_PER_MS, START + 0.08 * way, 255 * NS_PER_MS)
+    aim(predictor, 80 * NS_PER_MS, START + 0.08 * way, 255 * NS_PER_MS)
     place, moving = (number[0] / way[0] for number in predictor.at(314 * NS_PER_MS)[:2])
     assert place > 0.2  # moving to 0.314
     assert moving > 1.0
@@ -122,7 +124,7 @@ def test_a_course_ends_after_its_prediction_and_comes_to_rest_there():
     )
     predictor.reset(0, START)
     for k in range(1, 31):
-        predictor.aim(k * 33 * NS_PER_MS, START + 0.01 * k, k * 33 * NS_PER_MS)
+        aim(predictor, k * 33 * NS_PER_MS, START + 0.01 * k, k * 33 * NS_PER_MS)
     last_ns = 30 * 33 * NS_PER_MS
     q, dq, _ = predictor.at(last_ns + 1000 * NS_PER_MS)
     assert dq == pytest.approx(np.zeros(6), abs=1e-6)
@@ -138,7 +140,7 @@ def test_a_course_has_no_jumps():
     for k in range(1, 2400):
         now_ns = k * step_ns
         if k % 132 == 0:
-            predictor.aim(now_ns - 15 * NS_PER_MS, START + rng.normal(0, 0.02, 6), now_ns)
+            aim(predictor, now_ns - 15 * NS_PER_MS, START + rng.normal(0, 0.02, 6), now_ns)
         here = predictor.at(now_ns)
         assert np.abs(here[0] - before[0]).max() < 1e-3
         assert np.abs(here[1] - before[1]).max() < 0.05
@@ -158,7 +160,7 @@ def test_a_course_begins_to_move_no_harder_than_the_joints_can():
         t = k * TICK_NS / NS_PER_S
         if k % 8 == 0:
             share = min(max((t - 0.5) / 0.6, 0.0), 1.0)
-            predictor.aim(k * TICK_NS, START + way * share**3 * (10 - 15 * share + 6 * share**2), k * TICK_NS)
+            aim(predictor, k * TICK_NS, START + way * share**3 * (10 - 15 * share + 6 * share**2), k * TICK_NS)
         speed = predictor.at(k * TICK_NS)[1]
         hardest, before = max(hardest, np.max(np.abs(speed - before) / DT / LIMITS.acceleration)), speed
     assert hardest < 1.0
@@ -170,14 +172,14 @@ def test_noise_at_rest_is_damped_and_a_hand_that_moves_is_followed():
     predictor = TargetPredictor(3, ControlConfig())
     for k in range(5000):
         if k % 8 == 0:
-            predictor.aim(k * TICK_NS, rng.normal(0, 1e-3, 3), k * TICK_NS)
+            aim(predictor, k * TICK_NS, rng.normal(0, 1e-3, 3), k * TICK_NS)
         noise.append(predictor.at(k * TICK_NS)[0])
     assert np.sqrt(np.mean(np.sum(np.square(noise[250:]), axis=1))) < 1.25e-3
     predictor, off = TargetPredictor(3, ControlConfig()), []
     for k in range(1500):
         place, _ = figure_of_eight(k * TICK_NS / NS_PER_S)
         if k % 8 == 0:
-            predictor.aim(k * TICK_NS, place, k * TICK_NS)
+            aim(predictor, k * TICK_NS, place, k * TICK_NS)
         off.append(np.linalg.norm(predictor.at(k * TICK_NS)[0] - place))
     assert np.mean(off) < 0.7e-3
     assert max(off) < 2.2e-3
@@ -186,9 +188,9 @@ def test_noise_at_rest_is_damped_and_a_hand_that_moves_is_followed():
 def test_old_samples_and_samples_at_once_do_not_upset_a_course():
     predictor = joint_target_predictor(MODEL, LIMITS, EXACT)
     predictor.reset(100, START)
-    predictor.aim(100, START + 1.0, 200)
+    aim(predictor, 100, START + 1.0, 200)
     assert predictor.at(300)[0] == pytest.approx(START)
-    predictor.aim(101, START + 0.01, 200)
+    aim(predictor, 101, START + 0.01, 200)
     assert np.abs(predictor.at(200)[1]).max() <= 1.0 + 1e-9
 
 

@@ -8,7 +8,7 @@ from remote_site.kinematics.dexterity import FULL, Slowing
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.motion.planner import MotionPlanner
-from remote_site.motion.target_tracker import ToolSample
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code, reason
 from remote_site.safety.collision_avoidance import CollisionAvoidance
 from remote_site.safety.config import CollisionConfig, FixtureConfig, SafetyConfig

@@ -6,6 +6,7 @@ import pytest
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.motion.config import ControlConfig
 from remote_site.motion.target_predictor import TargetPredictor
+from tests.remote_site.motion.aimed import aim
 
 PERIOD_MS, STEP_NS = 33, NS_PER_MS // 4
 
@@ -17,7 +18,7 @@ def test_a_targets_speed_and_acceleration_are_the_changes_of_its_place_and_speed
     predictor.reset(0, np.zeros(6))
     for k in range(1, 40):
         now_ns = k * PERIOD_MS * NS_PER_MS
-        predictor.aim(now_ns - 20 * NS_PER_MS, speed_m_s * k * PERIOD_MS / 1e3 * np.eye(6)[0], now_ns)
+        aim(predictor, now_ns - 20 * NS_PER_MS, speed_m_s * k * PERIOD_MS / 1e3 * np.eye(6)[0], now_ns)
         for after_ms in (2, 10, 30):
             at_ns = now_ns + after_ms * NS_PER_MS
             before, here, after = (predictor.at(at_ns + step) for step in (-STEP_NS, 0, STEP_NS))

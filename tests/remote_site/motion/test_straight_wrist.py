@@ -11,7 +11,8 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import RobotConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
-from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
+from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.motion.tool_sample import ToolSample
 from tests.remote_site.arms_followed import SAMPLE_TICKS, smooth
 from tests.remote_site.remote_loop import TICK_NS, arm
 

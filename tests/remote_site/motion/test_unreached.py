@@ -6,7 +6,8 @@ import pytest
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import transform
 from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.target_tracker import ToolSample, choose_target_tracker
+from remote_site.motion.target_tracker import choose_target_tracker
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code
 from remote_site.teleop.config import prediction
 from tests.remote_site.arms_followed import OFFSET_WRIST

@@ -10,33 +10,20 @@ import msgspec
 from common.clock import NS_PER_MS, FakeClock
 from common.messages.requests import EngagementAction
 from common.messages.robot import GripperCommand, GripperStatus, SessionState
+from lab.stage.stepped.driver_process import SteppedDriverProcess
+from lab.stage.stepped.robots import SteppedCell, SteppedClock, SteppedController
 from remote_site.config import RemoteConfig
-from remote_site.drivers.c500c.config import C500cConfig
-from remote_site.drivers.c500c.driver import C500cDriver
-from remote_site.drivers.c500c.emulation import EmulatedPort, Emulation
-from remote_site.drivers.c500c.emulator import Emulated, EmulatedController
+from remote_site.drivers.c500c.emulator import Emulated
 from remote_site.drivers.driver import Driver
-from remote_site.drivers.link import DriverLink
-from remote_site.drivers.memory import DriverMemory
-from remote_site.drivers.simulated import SimulatedDriver
-from remote_site.drivers.supervisor.grip import GripWatch
-from remote_site.drivers.supervisor.supervisor import DriverSupervisor
-from remote_site.kinematics.limits import load_arm
-from remote_site.runtime.driven_pipeline import DrivenPipeline
-from remote_site.runtime.driver_process import DriverLoop, grip_settings, setup_of
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.lease import Holder, Lease, LeaseServer
 from remote_site.session.requests import SessionRequest
 from remote_site.session.samples import NamedSample
 from remote_site.simulation.memory import CellMemory
-from remote_site.simulation.process import SimulatedCell
 from remote_site.teleop.cycle import Snapshot
-from remote_site.teleop.pipeline import TeleopPipeline
-from tests.contracts.driver_stands import CellClock
 from tests.remote_site.remote_loop import FOR_EVER_NS, LEASE, hand
 
 CONFIG = msgspec.structs.replace(RemoteConfig(), engagement=EngagementConfig(mode=EngagementMode.ON_REQUEST, frames=3))
-MODEL, LIMITS = load_arm(CONFIG.robot)
 TURN_MS, TURNS_PER_TICK, TICKS_PER_SAMPLE = 2, 2, 8
 OBJECT_M = 0.03  # between the fingers of the A465
 
@@ -53,17 +40,16 @@ class Robot:
 
 def simulated_closed() -> Robot:
     """The arm of the simulated cell, its gripper closed on nothing."""
-    memory = CellMemory.create(6)
-    cell = SimulatedCell(CONFIG.simulation, CONFIG.robot, memory)
-    clock = CellClock(cell)
+    cell = SteppedCell(CONFIG)
+    clock = SteppedClock(cell)
 
     def command(gripper: GripperCommand) -> None:
-        cell.controller.gripper = gripper
+        cell.cell.controller.gripper = gripper
 
     command(GripperCommand.CLOSED)
     clock.sleep_until_ns(clock.now_ns() + 1000 * NS_PER_MS)
-    opening = partial(_opening_m, memory)
-    return Robot(clock, lambda: SimulatedDriver(memory, clock), opening, partial(command, GripperCommand.OPEN))
+    opening, opened = partial(_opening_m, cell.memory), partial(command, GripperCommand.OPEN)
+    return Robot(clock, partial(cell.driver, clock), opening, opened)
 
 
 def _opening_m(memory: CellMemory) -> float:
@@ -72,13 +58,11 @@ def _opening_m(memory: CellMemory) -> float:
 
 def a465_holding() -> Robot:
     """An A465 with an object of 30 mm in its gripper, whose force is not measured."""
-    clock = FakeClock(1000 * NS_PER_MS)
-    controller = EmulatedController(CONFIG.robot.start, Emulated(object_m=OBJECT_M))
-    gripper = controller.gripper
+    a465 = SteppedController(CONFIG, Emulated(object_m=OBJECT_M))
+    clock, gripper = SteppedClock(a465), a465.controller.gripper
     gripper.opening_m, gripper.aim_open = OBJECT_M, False
-    port = EmulatedPort(Emulation(controller, clock.now_ns()), clock)
     opened = partial(gripper.order, GripperCommand.OPEN, 50)
-    return Robot(clock, lambda: C500cDriver(C500cConfig(), port, clock), lambda: gripper.opening_m, opened)
+    return Robot(clock, partial(a465.driver, clock), lambda: gripper.opening_m, opened)
 
 
 class StartedSite:
@@ -86,13 +70,9 @@ class StartedSite:
 
     def __init__(self, robot: Robot) -> None:
         self.robot, self.clock = robot, robot.clock
-        memory, driver, setup = DriverMemory.create(6), robot.make(), setup_of(CONFIG)
-        driver.configure(setup)
-        grip = GripWatch(grip_settings(CONFIG))
-        self.supervisor = DriverSupervisor(driver, setup, self.clock, memory.busy, grip)
-        self._loop = DriverLoop(self.supervisor, memory, self.clock)
-        self.link = DriverLink(memory, LIMITS, self.clock)
-        self.driven = DrivenPipeline(TeleopPipeline(CONFIG, MODEL, LIMITS), self.link)
+        self._process = SteppedDriverProcess(CONFIG, robot.make(), self.clock)
+        self.supervisor, self.link = self._process.supervisor, self._process.link
+        self.driven = self._process.pipeline()
         self._leases = LeaseServer(FOR_EVER_NS, LEASE)
         self._lease = self._leases.acquire(Holder(7, "anna"), self.clock.now_ns())
         self._seq = self.toggles = 0
@@ -166,4 +146,4 @@ class StartedSite:
     def _turn_robot(self, ms: float) -> None:
         for _ in range(round(ms / TURN_MS)):
             self.clock.sleep_until_ns(self.clock.now_ns() + TURN_MS * NS_PER_MS)
-            self._loop.turn()
+            self._process.turn()

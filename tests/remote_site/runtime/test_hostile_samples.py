@@ -41,7 +41,7 @@ def test_any_samples_that_the_wire_accepts_leave_control_cycles_that_can_be_sent
     reporter = Reporter(states, SiteMemory(), arm()[0], collision_model(CONFIG), lambda: TIMING, one_host=True, tap=tap)  # type: ignore[arg-type]  # it encodes, and sends nothing
     for seq in range(300):
         loop.clock.advance_ms(TICK_NS / 2e6)
-        loop._desk.turn()
+        loop.process.turn()
         now_ns = loop.clock.now_ns()
         memory.beat(now_ns)
         samples = [

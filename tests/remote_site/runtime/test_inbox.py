@@ -13,12 +13,12 @@ from common.messages.hand import ClockSync, HandArm
 from common.messages.requests import EngagementAction, EngagementRequest, StopRequest
 from common.process.log import RefusalLog
 from common.steady_time import HostTime
+from lab.stage.waiting import until
 from remote_site.runtime.control import MAINTENANCE_NAME, UNHELD_HZ, Inbox
 from remote_site.session.lease import Holder, Lease
 from remote_site.session.requests import SessionRequest
 from tests.common.link.secured_cell import free_port
 from tests.remote_site.remote_loop import TICK_NS, hand
-from tests.waiting import until
 
 CELL = "lab"
 APART_S = 0.003  # requests that follow each other immediately are dropped on arrival

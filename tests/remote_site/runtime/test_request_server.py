@@ -19,10 +19,10 @@ from common.messages.base import Message
 from common.messages.codec import encode
 from common.messages.requests import ClockAnswer, ClockQuestion, DescribeQuestion, Description
 from farhand.certificates.folder import CertificateOrder, add_router, create
+from lab.stage.waiting import until
 from remote_site.runtime.request_server import RequestServer
 from remote_site.session.lease import LeaseServer
 from tests.common.link.secured_cell import OPERATORS, PATIENCE_S, QUIET_S, dishonest, free_port, secured
-from tests.waiting import until
 
 CELL = golden.DESCRIPTION.cell
 FLOOD_S = 5 * PENDING_REQUESTS / CLOCK.max_hz  # as fast as the cap of one session lets it: far more than may wait

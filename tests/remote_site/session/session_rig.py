@@ -13,7 +13,7 @@ from remote_site.drivers.faults import FaultCode, RobotFault
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code, reason
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
+from remote_site.session.age_limit import AgeLimitChoice
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.lease import Holder, Lease
 from remote_site.session.samples import Accepted, Rejected
@@ -44,7 +44,7 @@ class SessionRig:
 
     def __init__(self, **engagement: Any) -> None:
         safety, mode = SafetyConfig(), {"mode": EngagementMode.AUTOMATIC}
-        self.session = Session(safety, EngagementConfig(**mode | engagement), AgeLimit(safety))
+        self.session = Session(safety, EngagementConfig(**mode | engagement), AgeLimitChoice(safety).limit)
         self.session.authorise(LEASE)
         self.now_ns = 10_000 * NS_PER_MS
 

@@ -8,7 +8,7 @@ from common.clock import NS_PER_MS
 from common.messages.hand import TrackingStatus
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
+from remote_site.session.age_limit import AgeLimit, AgeLimitChoice
 from remote_site.session.link_ages import LinkAges
 from tests.remote_site.remote_loop import hand
 
@@ -20,7 +20,7 @@ class Link:
     """Samples that arrive at an age limit over a link, numbered and timed."""
 
     def __init__(self, **safety: object) -> None:
-        self.limit = AgeLimit(SafetyConfig(**safety))  # type: ignore[arg-type]
+        self.choice = AgeLimitChoice(SafetyConfig(**safety))  # type: ignore[arg-type]
         self.seq, self.now_ms = 0, 1_000_000.0
 
     def bring(
@@ -32,8 +32,8 @@ class Link:
             self.now_ms += PERIOD_MS
             if age_ms is not None:
                 capture_ns, arrival_ns = self.ns(self.now_ms), self.ns(self.now_ms + age_ms)
-                self.limit.see(hand(self.seq, capture_ns, session=session, **changes), capture_ns, arrival_ns)
-            self.limit.settle(pace)
+                self.choice.see(hand(self.seq, capture_ns, session=session, **changes), capture_ns, arrival_ns)
+            self.choice.settle(pace)
         return self
 
     @staticmethod
@@ -41,8 +41,13 @@ class Link:
         return round(milliseconds * NS_PER_MS)
 
     @property
-    def ms(self) -> float:
+    def limit(self) -> AgeLimit:
         """The limit in force."""
+        return self.choice.limit
+
+    @property
+    def ms(self) -> float:
+        """Its age in ms."""
         return self.limit.soft_ns / NS_PER_MS
 
 
@@ -60,7 +65,7 @@ def test_it_covers_the_age_that_samples_reach_before_the_next_one_comes(age_ms: 
 
 def test_how_long_a_tracker_takes_while_it_learns_the_arm_slows_no_arm_afterwards() -> None:
     link = Link().bring([165.0] * 12, status=TrackingStatus.INITIALISING).bring([20.0])
-    assert (link.ms, link.limit.speed_scale, link.limit.too_slow()) == (100, 1.0, None)
+    assert (link.ms, link.limit.speed_scale, link.limit.too_slow) == (100, 1.0, None)
     assert Link().bring([165.0] * 12).bring([20.0]).ms > 100
 
 
@@ -100,9 +105,9 @@ def test_it_does_not_grow_under_an_arm_that_is_too_fast_for_it_which_is_slowed_f
     link = Link().bring([30.0] * 60).bring([160.0] * 60, pace=FAST)
     assert link.ms == 100
     assert link.limit.speed_scale == 0.5
-    link.limit.settle(0.51)
+    link.choice.settle(0.51)
     assert link.ms == 100
-    link.limit.settle(0.5)
+    link.choice.settle(0.5)
     assert link.ms == 200
 
 
@@ -123,7 +128,7 @@ def test_samples_that_were_overtaken_or_doubled_say_nothing() -> None:
     link = Link().bring([30.0] * 60)
     old = hand(link.seq - 3, link.ns(link.now_ms - 3 * PERIOD_MS))
     for _ in range(30):
-        link.limit.see(old, old.capture_ns, link.ns(link.now_ms + 300))
+        link.choice.see(old, old.capture_ns, link.ns(link.now_ms + 300))
     assert link.bring([30.0]).ms == 100
 
 
@@ -136,28 +141,28 @@ def test_another_local_site_is_measured_from_the_beginning() -> None:
 def test_a_limit_that_was_set_stays_whatever_the_link_does(fixed_ms: float) -> None:
     link = Link(t_soft_ms=fixed_ms).bring([10.0] * 60 + [390.0] * 60)
     assert link.ms == fixed_ms
-    assert link.limit.too_slow() is None
+    assert link.limit.too_slow is None
 
 
 def test_a_link_that_takes_too_long_is_refused_with_both_figures() -> None:
     link = Link().bring([420.0] * 30)
-    refusal = link.limit.too_slow()
+    refusal = link.limit.too_slow
     assert refusal is not None
     assert refusal.code is Code.LINK_TOO_SLOW
     assert refusal.sentence == "the link takes 420 ms; at most 367 can be operated"
-    assert link.bring([360.0] * 30).limit.too_slow() is None
+    assert link.bring([360.0] * 30).limit.too_slow is None
 
 
 def test_after_an_outage_only_the_samples_since_tell_how_slow_the_link_is_now() -> None:
     link = Link().bring([30.0] * 60 + [None] * 60).bring([440.0] * 10)
-    assert link.limit.too_slow() is None  # nine intervals: not known yet, nor are they enough to engage
-    refusal = link.bring([440.0]).limit.too_slow()
+    assert link.limit.too_slow is None  # nine intervals: not known yet, nor are they enough to engage
+    refusal = link.bring([440.0]).limit.too_slow
     assert refusal is not None
     assert refusal.code is Code.LINK_TOO_SLOW
 
 
 def test_a_few_late_samples_refuse_nothing() -> None:
-    assert Link().bring(([30.0] * 3 + [450.0]) * 30).limit.too_slow() is None
+    assert Link().bring(([30.0] * 3 + [450.0]) * 30).limit.too_slow is None
 
 
 def spaced(period_ms: float, count: int, age_ms: float = 60.0, **safety: object) -> Link:
@@ -171,7 +176,7 @@ def spaced(period_ms: float, count: int, age_ms: float = 60.0, **safety: object)
 
 @pytest.mark.parametrize("safety", [{}, {"t_soft_ms": 125.0}])
 def test_cameras_slower_than_the_limit_are_named_with_the_rate_and_the_limit(safety: dict[str, object]) -> None:
-    refusal = spaced(140, 40, **safety).limit.too_rare()
+    refusal = spaced(140, 40, **safety).limit.too_slow
     assert refusal is not None
     assert refusal.code is Code.SAMPLES_RARE
     assert refusal.sentence.startswith("a hand sample comes only each 140 ms, but is obeyed for 125 ms at most. Cure:")
@@ -180,7 +185,7 @@ def test_cameras_slower_than_the_limit_are_named_with_the_rate_and_the_limit(saf
 
 @pytest.mark.parametrize(("period_ms", "rare"), [(124, False), (125, True)])
 def test_a_sample_that_comes_as_rarely_as_one_is_obeyed_is_too_rare(period_ms: float, rare: bool) -> None:
-    assert (spaced(period_ms, 40, t_soft_ms=125.0).limit.too_rare() is not None) is rare
+    assert (spaced(period_ms, 40, t_soft_ms=125.0).limit.too_slow is not None) is rare
 
 
 def test_of_a_link_that_has_brought_nothing_nothing_is_known() -> None:
@@ -189,7 +194,7 @@ def test_of_a_link_that_has_brought_nothing_nothing_is_known() -> None:
 
 
 def test_a_longer_limit_serves_slower_cameras_and_lost_samples_are_none_of_theirs() -> None:
-    assert spaced(140, 40, t_soft_ms=250.0).limit.too_rare() is None
-    assert spaced(140, 10).limit.too_rare() is None  # nine intervals: not known yet
-    assert Link().bring([30.0] * 20 + [None] * 8 + [30.0]).limit.too_rare() is None
-    assert spaced(140, 40).bring([30.0] * 9).limit.too_rare() is None
+    assert spaced(140, 40, t_soft_ms=250.0).limit.too_slow is None
+    assert spaced(140, 10).limit.too_slow is None  # nine intervals: not known yet
+    assert Link().bring([30.0] * 20 + [None] * 8 + [30.0]).limit.too_slow is None
+    assert spaced(140, 40).bring([30.0] * 9).limit.too_slow is None

@@ -9,7 +9,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.robot import SessionState
 from remote_site.reasons import Code, reason
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
+from remote_site.session.age_limit import AgeLimitChoice
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.hand_signal import AGAIN_FRAMES
 from remote_site.session.samples import Rejected
@@ -92,13 +92,13 @@ def test_engagements_are_counted_one_by_one():
 )
 def test_neither_rare_samples_nor_a_slow_link_can_be_engaged_with(period_ms, age_ms, expected):
     safety, now_ns = SafetyConfig(), 10 * NS_PER_S
-    limit = AgeLimit(safety)
-    session = Session(safety, EngagementConfig(), limit)
+    choice = AgeLimitChoice(safety)
+    session = Session(safety, EngagementConfig(), choice.limit)
     session.authorise(LEASE)
     for seq in range(40):
         now_ns += period_ms * NS_PER_MS
-        limit.see(hand(seq, now_ns), now_ns, now_ns + age_ms * NS_PER_MS)
-        limit.settle(0.0)
+        choice.see(hand(seq, now_ns), now_ns, now_ns + age_ms * NS_PER_MS)
+        session.limit_age(choice.settle(0.0))
     session.sample(good(now_ns))
     assert session.readiness(now_ns, READY).reason.code is expected
 

@@ -5,7 +5,7 @@ import pytest
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.reasons import Code, reason
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
+from remote_site.session.age_limit import AgeLimitChoice
 from remote_site.session.hand_signal import AGAIN_FRAMES, HandSignal
 from remote_site.session.samples import Rejected
 from tests.remote_site.session.session_rig import JUMPS, LOST, NO_OFFSET, OLD_OFFSET, PERIOD, good
@@ -22,9 +22,9 @@ OLD = Rejected(reason(Code.OLD, seq=3, newest=4))
 def signal(count=3):
     """A signal whose last of `count` good samples was born at `BORN`."""
     safety = SafetyConfig(t_soft_ms=100.0, t_latch_ms=500.0)
-    hand = HandSignal(safety, AgeLimit(safety), FRAMES)
+    hand = HandSignal(safety, AgeLimitChoice(safety).limit, FRAMES)
     for k in reversed(range(count)):
-        hand.take(good(BORN - k * SOFT))
+        hand.observe(good(BORN - k * SOFT))
     return hand
 
 
@@ -35,9 +35,9 @@ def code(why):
 def test_samples_count_in_a_row_up_to_a_gap_beyond_the_soft_limit():
     hand = signal(3)
     assert hand.good == 3
-    hand.take(good(BORN + SOFT))
+    hand.observe(good(BORN + SOFT))
     assert hand.good == 4
-    hand.take(good(BORN + 2 * SOFT + 1))
+    hand.observe(good(BORN + 2 * SOFT + 1))
     assert hand.good == 1
 
 
@@ -50,25 +50,25 @@ def test_collecting_names_what_is_missing_until_enough_came():
 @pytest.mark.parametrize("repeat", [TWICE, OLD])
 def test_a_repeat_says_nothing_about_the_hand(repeat):
     hand = signal(3)
-    hand.take(repeat)
+    hand.observe(repeat)
     assert (hand.good, hand.unfit(BORN)) == (3, None)
-    hand.take(LOST)
-    hand.take(repeat)
+    hand.observe(LOST)
+    hand.observe(repeat)
     assert hand.unfit(BORN) is LOST.reason
 
 
 @pytest.mark.parametrize("trouble", [LOST, NO_OFFSET, OLD_OFFSET, FUTURE])
 def test_a_lost_hand_or_an_unknown_age_is_trouble_until_the_next_good_sample(trouble):
     hand = signal(3)
-    hand.take(trouble)
+    hand.observe(trouble)
     assert (hand.good, hand.unfit(BORN)) == (0, trouble.reason)
-    hand.take(good(BORN + SOFT))
+    hand.observe(good(BORN + SOFT))
     assert (hand.good, hand.unfit(BORN + SOFT)) == (1, None)
 
 
 def test_a_jump_counts_from_nothing_but_the_sample_before_it_may_still_be_followed():
     hand = signal(3)
-    hand.take(JUMPS)
+    hand.observe(JUMPS)
     assert (hand.good, hand.unfit(BORN)) == (0, None)
 
 
@@ -82,7 +82,7 @@ def test_a_sample_is_unfit_beyond_the_soft_limit_and_too_old_beyond_the_latch_li
 
 def test_what_was_wrong_is_why_it_is_too_old_but_ends_nothing_before():
     hand = signal()
-    hand.take(LOST)
+    hand.observe(LOST)
     assert hand.too_old(BORN + LATCH) is None
     assert hand.too_old(BORN + LATCH + 1) is LOST.reason
 
@@ -95,7 +95,7 @@ def test_without_any_sample_there_is_no_hand():
 
 def test_a_restart_forgets_the_samples_and_a_new_lease_what_was_wrong_too():
     hand = signal(3)
-    hand.take(LOST)
+    hand.observe(LOST)
     hand.restart()
     assert (hand.good, code(hand.unfit(BORN)), hand.too_old(BORN)) == (0, Code.LOST, LOST.reason)
     hand.forget()
@@ -109,24 +109,24 @@ def after(hand, gap_ns, count):
     """Good samples, a period apart, after a gap."""
     begin_ns = BORN + gap_ns
     for k in range(count):
-        hand.take(good(begin_ns + k * PERIOD))
+        hand.observe(good(begin_ns + k * PERIOD))
 
 
 @pytest.mark.parametrize("between", [(), (STALE,), (TWICE,)], ids=["silence", "late", "doubled"])
 def test_after_a_cut_fewer_samples_are_enough_where_there_were_enough_before(between):
     hand = signal(FRAMES)
     for rejected in between:
-        hand.take(rejected)
+        hand.observe(rejected)
     after(hand, 10 * NS_PER_S, AGAIN_FRAMES - 1)
     assert hand.collecting(hand.frames) == reason(Code.COLLECTING, count=AGAIN_FRAMES - 1, needed=AGAIN_FRAMES)
-    hand.take(good(BORN + 10 * NS_PER_S + AGAIN_FRAMES * PERIOD))
+    hand.observe(good(BORN + 10 * NS_PER_S + AGAIN_FRAMES * PERIOD))
     assert hand.collecting(hand.frames) is None
 
 
 @pytest.mark.parametrize("between", [LOST, NO_OFFSET, JUMPS], ids=lambda what: str(what.reason.code))
 def test_after_anything_else_than_late_samples_all_are_needed_again(between):
     hand = signal(FRAMES)
-    hand.take(between)
+    hand.observe(between)
     after(hand, NS_PER_S, AGAIN_FRAMES)
     assert hand.frames == FRAMES
 

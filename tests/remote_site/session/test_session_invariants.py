@@ -11,7 +11,7 @@ from common.clock import NS_PER_MS
 from common.messages.hand import ClutchKey, Intent
 from common.messages.robot import FOLLOWING, SessionState
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
+from remote_site.session.age_limit import AgeLimitChoice
 from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.state_machine import Action, Session
 from tests.remote_site.session.session_rig import (
@@ -27,6 +27,7 @@ from tests.remote_site.session.session_rig import (
 )
 
 SAFETY = SafetyConfig()
+LIMIT = AgeLimitChoice(SAFETY).limit
 
 
 class SessionMachine(RuleBasedStateMachine):
@@ -34,7 +35,7 @@ class SessionMachine(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.session = Session(SAFETY, EngagementConfig(frames=3, mode=EngagementMode.AUTOMATIC), AgeLimit(SAFETY))
+        self.session = Session(SAFETY, EngagementConfig(frames=3, mode=EngagementMode.AUTOMATIC), LIMIT)
         self.session.authorise(LEASE)
         self.now_ns, self.born_ns = 10_000 * NS_PER_MS, None
         self.granted, self.captured = True, False
@@ -117,7 +118,7 @@ class HeldMachine(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.session = Session(SAFETY, EngagementConfig(frames=3, mode=EngagementMode.HOLD_TO_RUN), AgeLimit(SAFETY))
+        self.session = Session(SAFETY, EngagementConfig(frames=3, mode=EngagementMode.HOLD_TO_RUN), LIMIT)
         self.now_ns = 10_000 * NS_PER_MS
         self.lease = None
         self.told = False
@@ -181,7 +182,7 @@ class ClutchMachine(RuleBasedStateMachine):
 
     def __init__(self):
         super().__init__()
-        self.session = Session(SAFETY, EngagementConfig(frames=3), AgeLimit(SAFETY))
+        self.session = Session(SAFETY, EngagementConfig(frames=3), LIMIT)
         self.session.authorise(LEASE)
         self.now_ns = 10_000 * NS_PER_MS
         self.before, self.is_held, self.released_ns = ClutchKey.UP, False, None

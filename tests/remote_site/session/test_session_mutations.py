@@ -138,7 +138,7 @@ CONDITIONS = [
         "isinstance(result, Rejected) and result.latch and self.state in FOLLOWING",
         ended(lambda rig: rig.session.sample(session_rig.JUMPS)),
     ),
-    (HandSignal, "take", "result.hand_lost or result.reason.code in CLOCK_TROUBLE", refused(Code.NO_OFFSET)),
+    (HandSignal, "observe", "result.hand_lost or result.reason.code in CLOCK_TROUBLE", refused(Code.NO_OFFSET)),
     (Session, "authorise", "self.state in FOLLOWING", of_session.test_a_lost_lease_latches_and_names_its_holder),
     (
         Session,

@@ -7,7 +7,7 @@ from common.messages.robot import SessionState
 from remote_site.drivers.faults import STOPPED
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
+from remote_site.session.age_limit import AgeLimitChoice
 from remote_site.session.lease import Holder, Lease
 from remote_site.session.state_machine import Action, Robot
 from tests.remote_site.session.session_rig import (
@@ -184,7 +184,7 @@ def test_a_robot_that_stops_by_itself_ends_the_engagement_and_names_the_cure():
 
 @pytest.mark.parametrize(("soft", "scale"), [(50.0, 1.0), (100.0, 1.0), (200.0, 0.5), (400.0, 0.25)])
 def test_a_longer_soft_limit_slows_the_arm_in_proportion(soft, scale):
-    assert AgeLimit(SafetyConfig(t_soft_ms=soft)).speed_scale == scale
+    assert AgeLimitChoice(SafetyConfig(t_soft_ms=soft)).limit.speed_scale == scale
 
 
 def test_after_a_handover_the_reason_names_who_operates_now_and_speaks_of_no_restart():

@@ -10,12 +10,12 @@ import pytest
 
 from common.process.children import END, Children
 from common.process.service import StopFlag
+from lab.stage.waiting import until
 from remote_site.kinematics.config import RobotConfig
 from remote_site.simulation import process
 from remote_site.simulation.config import CellConfig, ServoConfig
 from remote_site.simulation.controller import ControllerFault
 from remote_site.simulation.memory import CellMemory
-from tests.waiting import until
 
 FORK = multiprocessing.get_context("fork")
 ROBOT = RobotConfig()

@@ -1,7 +1,6 @@
 """A hand over an emulated far link on stepped time: delay, jitter, loss and cuts, seeded; and what the arm does."""
 
 import math
-from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -14,6 +13,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.hand import ClockSync, HandArm
 from common.messages.requests import EngagementAction
 from common.messages.robot import SessionState
+from lab.stage.network.in_transit import InTransit
 from remote_site.config import RemoteConfig
 from tests.remote_site.remote_loop import TICK_NS, Point, RemoteLoop, hand
 
@@ -51,20 +51,20 @@ class FarLink:
         risen_ms = 2.0 * max(t_s - self.longer[0], 0.0)
         return round(min(self.delay_ms + risen_ms, max(self.delay_at(t_s), self.delay_ms)) * NS_PER_MS)
 
-    def arrivals(self, seconds: float, motion: Motion) -> deque[tuple[int, HandArm]]:
-        """When each sample comes, in ns from the start, and the sample with its capture from there too."""
-        rng, coming, last_ns = Random(self.seed), deque[tuple[int, HandArm]](), 0  # noqa: S311  # a link, not secrets
+    def sent(self, seconds: float, motion: Motion) -> InTransit[HandArm]:
+        """The samples under way; their times, that of capture too, are in ns from the start."""
+        rng, coming = Random(self.seed), InTransit[HandArm]()  # noqa: S311  # a link, not secrets
         for k in range(int(seconds * NS_PER_S / PERIOD_NS)):
             capture_ns = k * PERIOD_NS
             sent_s = (capture_ns + TRACKING_NS) / NS_PER_S
             delay_ms = self.delay_at(sent_s) * (1 + self.jitter * rng.uniform(-1, 1))
             lost = rng.random() < self.loss or any(begin <= sent_s < end for begin, end in self.cuts)
             if not lost:
-                last_ns = max(last_ns, capture_ns + TRACKING_NS + round(delay_ms * NS_PER_MS))
+                arrives_ns = capture_ns + TRACKING_NS + round(delay_ms * NS_PER_MS)
                 uncertainty_ns = self.uncertainty_ns(sent_s)
                 clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=uncertainty_ns, measured_ns=0)
                 sample = hand(k + 1, capture_ns, motion(capture_ns / NS_PER_S), clock=clock)
-                coming.append((last_ns, sample))
+                coming.send(sample, arrives_ns)
         return coming
 
 
@@ -117,12 +117,10 @@ def engaged_over(link: FarLink, seconds: float, motion: Motion = circle, config:
     """Engage over the link after 3 s, and follow for `seconds`; the clock is as uncertain as the link is long."""
     loop = RemoteLoop(config)
     start_ns = loop.clock.now_ns()
-    coming, run = link.arrivals(seconds + 3.0, motion), Run(loop)
-    while coming:
-        samples = []
+    coming, run = link.sent(seconds + 3.0, motion), Run(loop)
+    while coming.next_ns is not None:
         elapsed_ns = loop.clock.now_ns() - start_ns
-        while coming and coming[0][0] <= elapsed_ns:
-            samples.append(on_clock(coming.popleft()[1], start_ns, loop.lease))
+        samples = [on_clock(sample, start_ns, loop.lease) for sample in coming.arrived(elapsed_ns)]
         loop.tick(*samples)
         _record(run, loop, elapsed_ns)
     return run

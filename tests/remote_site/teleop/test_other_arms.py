@@ -10,7 +10,8 @@ from remote_site.config import RemoteConfig
 from remote_site.kinematics.config import BranchConfig, RobotConfig, SolverConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, ToolSample, choose_target_tracker
+from remote_site.motion.target_tracker import ClosedFormTracker, DifferentialTracker, choose_target_tracker
+from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code
 from remote_site.teleop.config import prediction
 from tests.remote_site.arms_followed import (

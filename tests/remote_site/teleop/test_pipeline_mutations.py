@@ -8,7 +8,6 @@ from common.messages.hand import HandPoint, TrackingStatus
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
 from remote_site.session.hand_signal import HandSignal
 from remote_site.session.state_machine import Session
 from remote_site.teleop import sample_validator as validator_module
@@ -24,7 +23,7 @@ NAN = float("nan")
 
 
 def validator(test, *arguments):
-    return lambda: test(SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig())), *arguments)
+    return lambda: test(SampleValidator(SafetyConfig()), *arguments)
 
 
 def not_tracked(status, expected):
@@ -55,7 +54,7 @@ CONDITIONS = [
     (
         SampleValidator,
         "_time",
-        "age_ns > (limit_ns := self._age_limit.soft_ns)",
+        "age_ns > soft_ns",
         validator(of_validator.test_age_counts_from_capture_with_the_offset_and_its_uncertainty),
     ),
     (

@@ -19,24 +19,26 @@ from common.messages.hand import (
 )
 from remote_site.reasons import Code
 from remote_site.safety.config import SafetyConfig
-from remote_site.session.age_limit import AgeLimit
-from remote_site.session.samples import Accepted, Rejected
+from remote_site.session.lease import Holder, Lease
+from remote_site.session.samples import Accepted, NamedSample, Rejected
+from remote_site.teleop.sample_receiver import SampleReceiver
 from remote_site.teleop.sample_validator import SampleValidator
-from tests.remote_site.remote_loop import hand
+from tests.remote_site.remote_loop import FOR_EVER_NS, LEASE, hand
 
 NOW = 1_000 * NS_PER_MS
 PERIOD = 33 * NS_PER_MS
+SOFT_NS = 100 * NS_PER_MS
 SURE = (1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6)  # 1 mm along each axis
 
 
 @pytest.fixture
 def intake():
-    return SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig()))
+    return SampleValidator(SafetyConfig())
 
 
 def copying(point):
     """A validator for a tool that copies this point of the hand."""
-    return SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig()), point)
+    return SampleValidator(SafetyConfig(), point)
 
 
 def code(result):
@@ -44,7 +46,7 @@ def code(result):
 
 
 def accept(intake, sample, now_ns=None):
-    return intake.accept(sample, sample.capture_ns + 10 * NS_PER_MS if now_ns is None else now_ns)
+    return intake.accept(sample, SOFT_NS, sample.capture_ns + 10 * NS_PER_MS if now_ns is None else now_ns)
 
 
 def sync(measured_ns, remote_minus_local_ms=0, uncertainty_ms=0):
@@ -99,12 +101,13 @@ def test_age_counts_from_capture_with_the_offset_and_its_uncertainty(intake):
 
 
 def test_the_age_limit_learns_how_old_samples_are_when_they_arrive():
-    limit = AgeLimit(SafetyConfig(t_soft_ms="auto"))
-    intake = SampleValidator(SafetyConfig(t_soft_ms="auto"), limit)
+    receiver = SampleReceiver(SafetyConfig(t_soft_ms="auto"), HandPoint.WRIST)
+    lease = Lease(LEASE, Holder(7, "anna"), FOR_EVER_NS)
     for seq in range(1, 201):
-        result = accept(intake, hand(seq, NOW + seq * PERIOD), NOW + seq * PERIOD + 150 * NS_PER_MS)
-        limit.settle(0.0)
-    assert code(result) is Code.OK
+        sample = NamedSample("anna", hand(seq, NOW + seq * PERIOD))
+        result = receiver.receive(sample, lease, NOW + seq * PERIOD + 150 * NS_PER_MS)
+        limit = receiver.settle(0.0)
+    assert isinstance(result, Accepted)
     assert limit.soft_ns == 200 * NS_PER_MS
 
 
@@ -310,13 +313,13 @@ samples = st.lists(
 @settings(max_examples=200, deadline=None, derandomize=True)
 @given(samples)
 def test_accepted_samples_always_rise_in_time_and_are_young(sequence):
-    intake = SampleValidator(SafetyConfig(), AgeLimit(SafetyConfig()))
+    intake = SampleValidator(SafetyConfig())
     accepted, now_ns = [], NOW
     for seq, capture, session, delay_ms in sequence:
         now_ns += 5 * NS_PER_MS
         capture_ns = now_ns + capture * NS_PER_MS - delay_ms * NS_PER_MS
         sample = hand(seq, capture_ns, session=session, clock=sync(now_ns - NS_PER_MS))
-        result = intake.accept(sample, now_ns)
+        result = intake.accept(sample, SOFT_NS, now_ns)
         assert isinstance(result, (Accepted, Rejected))
         if isinstance(result, Accepted):
             assert 0 <= now_ns - sample.capture_ns <= 100 * NS_PER_MS

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from remote_site.simulation.appearance.surfaces import PaintedSurface, Rectangle
+from remote_site.simulation.dressing import PaintedSurface, Rectangle
 from remote_site.video.backdrop import Backdrop, Eye
 
 WIDTH, HEIGHT, FOCAL_PX = 160, 120, 100.0

@@ -45,7 +45,7 @@ class NewArm(PositionArm):
         self._library.connect(np.zeros(self.joints) if setup.start is None else setup.start)
 
     def read(self) -> NDArray[np.float64]:
-        """Where the joints are measured; raise DriverError with what to do while the arm cannot be measured."""
+        """Read the measured joint positions; raise DriverError with what to do while the arm cannot be measured."""
         # REPLACE. Where your library hands out what it has received before, return None unless something new has come
         # since the last call, or MeasuredPositions with its time: else Farhand does not see that the link is dead.
         return self._library.measured_positions()
@@ -60,7 +60,7 @@ class NewArm(PositionArm):
 
 
 def check_configuration(options: Mapping[str, Option], setup: DriverSetup) -> None:
-    """What needs no arm to be found wrong: `farhand doctor` and each start ask for it first."""
+    """Check what needs no arm to be found wrong: `farhand doctor` and each start ask for it first."""
     check_options(NewArmOptions, options)
     check_joints(setup, NewArm.joints)
 

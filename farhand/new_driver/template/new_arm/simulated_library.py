@@ -24,7 +24,7 @@ class SimulatedLibrary:
         self._moved_ns = self._clock.now_ns()
 
     def measured_positions(self) -> NDArray[np.float64]:
-        """Where the joints are now."""
+        """Return where the joints are now."""
         now_ns = self._clock.now_ns()
         elapsed_s, self._moved_ns = (now_ns - self._moved_ns) / 1e9, now_ns
         self._positions = self._goal + (self._positions - self._goal) * math.exp(-elapsed_s / LAG_S)

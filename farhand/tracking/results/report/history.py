@@ -44,7 +44,7 @@ class TrackHistory:
 
     @property
     def pairs(self) -> int:
-        """How many pairs were kept."""
+        """The number of pairs that were kept."""
         return len(self._rows) // WIDTH
 
     @property
@@ -54,7 +54,7 @@ class TrackHistory:
 
     @property
     def ms(self) -> Array:
-        """How long each pair took, ms."""
+        """The time that each pair took, ms."""
         return self._columns(3)
 
     @property
@@ -72,7 +72,7 @@ class TrackHistory:
         return self._columns(HEAD + 3 * ALL_POINTS.index(name), 3)
 
     def speed(self, name: str) -> Array:
-        """How fast a point moved since the pair before, m/s."""
+        """Compute how fast a point moved since the pair before, m/s."""
         steps = np.diff(self.position(name), axis=0), np.diff(self.t_s)
         with np.errstate(divide="ignore", invalid="ignore"):
             moved = np.linalg.norm(steps[0], axis=1) / steps[1]
@@ -85,7 +85,7 @@ class TrackHistory:
         return self._columns(HEAD + 3 * len(ALL_POINTS) + POINTS.index(name))
 
     def had(self, status: TrackingStatus) -> Mask:
-        """Whether each pair had this status."""
+        """Return which pairs had this status."""
         held: Mask = self._columns(1) == STATUSES.index(status)
         return held
 

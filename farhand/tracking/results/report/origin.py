@@ -1,4 +1,4 @@
-"""What a track was made of and with, as the rows of its report's first table."""
+"""Origin of a track: what it was made of and with, as the rows of its report's first table."""
 
 from collections.abc import Iterator, Sequence
 from datetime import datetime
@@ -9,7 +9,7 @@ import msgspec
 from local_site.config import LocalConfig
 
 Rows = Sequence[tuple[str, str]]
-"""What a row is about, and what it says."""
+"""The subject of a row, and what it says."""
 
 
 def origin_rows(
@@ -29,7 +29,7 @@ def origin_rows(
 
 
 def _settings(site: LocalConfig) -> Iterator[str]:
-    """What a track uses of the configuration and is not as by default; the tracker has a row of its own."""
+    """List what a track uses of the configuration and is not as by default; the tracker has a row of its own."""
     usual, tracker = LocalConfig(), site.tracking.method
     yield from _changes(f"tracking.{tracker}", getattr(site.tracking, tracker), getattr(usual.tracking, tracker))
     yield from _changes("drift", site.drift, usual.drift)

@@ -100,7 +100,7 @@ def _of_point(history: TrackHistory, name: str) -> tuple[str, ...]:
 
 
 def _count(held: Mask) -> tuple[str, str]:
-    """How many pairs, and which share."""
+    """Format how many pairs, and which fraction."""
     return str(int(held.sum())), f"{100 * held.mean():.1f}\N{NO-BREAK SPACE}%"
 
 

@@ -18,7 +18,7 @@ APART_S = 0.2
 
 @dataclass(frozen=True, slots=True)
 class PairDoubt:
-    """How far a point may be off, m, and in words which point and why."""
+    """The distance by which a point may be off, m, and in words which point and why."""
 
     metres: float
     words: str

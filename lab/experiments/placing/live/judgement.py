@@ -1,4 +1,4 @@
-"""What the judge of a live trial leaves: watched in the simulated cell's process, written when that ends."""
+"""Judgement of a live trial: watched in the simulated cell's process, written when that ends."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,7 +14,7 @@ from remote_site.simulation.process import SimulatedCell
 
 
 class TrialJudgement(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the block was left, and what was counted on the way."""
+    """The end of a trial: where the block was left, and what was counted on the way."""
 
     end: Placed
     drops: int

@@ -48,7 +48,7 @@ class LedPoseHistory:
         return offset, turn, (1 - part) * a.openness + part * b.openness
 
     def openings_until(self, t_ns: int) -> int:
-        """How often the hand had begun to open by a time of the last second."""
+        """Count how often the hand had begun to open by a time of the last second."""
         after = self._after(t_ns)
         return self._poses[after - 1].openings if after else 0
 
@@ -68,12 +68,12 @@ class LedHand:
         self._listening: tuple[int, socket.socket] | None = None  # and in which process
 
     def at(self, t_s: float) -> tuple[Array, Array, float]:
-        """Where the hand is, by all that has come until now."""
+        """Return where the hand is, by all that has come until now."""
         self._receive()
         return self._history.at(self._time_of(t_s))
 
     def openings_until(self, t_s: float) -> int:
-        """How often the hand has begun to open."""
+        """Count how often the hand has begun to open."""
         self._receive()
         return self._history.openings_until(self._time_of(t_s))
 

@@ -1,4 +1,4 @@
-"""What a live trial came to, and whether the machine kept up with it, from what was recorded; pure."""
+"""Pace of a live trial: its outcome, and whether the machine kept up with it, from what was recorded; pure."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,14 +13,14 @@ from farhand.loopback.figures import latency_figures
 from farhand.loopback.recorder import Record
 from lab.experiments.placing.live.judgement import TrialJudgement
 from lab.experiments.placing.trial import TrialResult
-from lab.visual_operator.at_console.sitting import SittingNotes
+from lab.visual_operator.at_console.operator_process import TrialNotes
 
 LOST_TIME = "simulated cell lost time"
 
 
 @dataclass(frozen=True, slots=True)
 class Pace:
-    """Whether the machine kept up in one trial.
+    """The pace of the machine in one trial: whether it kept up.
 
     Of control's `periods`, `missed` were. `cell_late` is how often the simulated cell gave time up, `hand_late` how
     often the operator's hand stood still because its process came late. Hand samples came `hands_per_s`, and `lost`
@@ -50,8 +50,8 @@ class LiveResult:
     pace: Pace
 
 
-def live_result(notes: SittingNotes, judgement: TrialJudgement, record: Record, events: Sequence[str]) -> LiveResult:
-    """What was recorded of a trial, between its begin and its end; `events` are the processes' warnings."""
+def live_result(notes: TrialNotes, judgement: TrialJudgement, record: Record, events: Sequence[str]) -> LiveResult:
+    """Sum up what was recorded of a trial, from its begin to its end; `events` are the processes' warnings."""
     states = [state for state in record.states if notes.start_ns <= state.t_ns <= notes.end_ns]
     hands = [hand for hand in record.hands if notes.start_ns <= hand.capture_ns <= notes.end_ns]
     trial = TrialResult(
@@ -68,7 +68,7 @@ def live_result(notes: SittingNotes, judgement: TrialJudgement, record: Record, 
     return LiveResult(trial, _pace(notes, states, hands, sum(LOST_TIME in event for event in events)))
 
 
-def _pace(notes: SittingNotes, states: Sequence[RobotState], hands: Sequence[HandArm], cell_late: int) -> Pace:
+def _pace(notes: TrialNotes, states: Sequence[RobotState], hands: Sequence[HandArm], cell_late: int) -> Pace:
     first, last = (states[k].timing for k in (0, -1))
     command_ms = latency_figures(states)["capture_to_command_ms"]["p50"]
     return Pace(

@@ -1,4 +1,4 @@
-"""What each process of a live trial is started with: the same cell, tracker and operator as in lockstep; pure."""
+"""Plan of a live trial's processes: the same cell, tracker and operator as in lockstep; pure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,8 @@ import numpy as np
 
 from common.clock import NS_PER_S
 from lab.experiments.placing.trial import MOST_S, PAGE_NS, WRIST_M, Conditions, remote_config
-from lab.visual_operator.at_console.sitting import Sitting
+from lab.stage.cell_endpoints import CellEndpoints
+from lab.visual_operator.at_console.operator_process import OperatorSetup
 
 CELL, OPERATOR_NAME = "placing", "visual_operator"
 
@@ -20,26 +21,21 @@ class LivePlan:
     remote: Sequence[str]
     local: Sequence[str]
     console: Sequence[str]
-    sitting: Sitting
+    operator: OperatorSetup
     control: str
     listen: str
 
 
 def live_plan(conditions: Conditions, ports: Sequence[int], folder: Path) -> LivePlan:
     """A trial on four free ports of this host, with hand and notes of the operator in this folder."""
-    *others, page = ports
-    control, video, listen = (f"tcp/127.0.0.1:{port}" for port in others)
+    control, video, listen, page = ports
+    endpoints = CellEndpoints.on_ports(CELL, control, video, listen)
     hand = folder / "hand"
     return LivePlan(
-        remote=(f"cell={CELL}", f'links={{control="{control}", video="{video}"}}', *_remote_settings(conditions)),
-        local=(f"cell={CELL}", f'links={{remote="{control}", listen="{listen}"}}', *_local_settings(conditions)),
-        console=(
-            f"cell={CELL}",
-            f"operator={OPERATOR_NAME}",
-            f'links={{control="{control}", video="{video}", local="{listen}"}}',
-            f"serve.port={page}",
-        ),
-        sitting=Sitting(
+        remote=(*endpoints.remote, *_remote_settings(conditions)),
+        local=(*endpoints.local, *_local_settings(conditions)),
+        console=(*endpoints.console, f"operator={OPERATOR_NAME}", f"serve.port={page}"),
+        operator=OperatorSetup(
             port=page,
             led_by=str(hand),
             notes=str(folder / "notes.json"),
@@ -48,8 +44,8 @@ def live_plan(conditions: Conditions, ports: Sequence[int], folder: Path) -> Liv
             page_ns=PAGE_NS,
             most_s=MOST_S,
         ),
-        control=control,
-        listen=listen,
+        control=endpoints.control,
+        listen=endpoints.listen,
     )
 
 

@@ -34,7 +34,7 @@ TEXT = (
 
 
 def trial_count(quick: bool) -> int:
-    """How many trials are run, in real time and in lockstep, for a progress bar."""
+    """Count the trials that are run, in real time and in lockstep, for a progress bar."""
     return 2 * len(live_conditions(quick))
 
 

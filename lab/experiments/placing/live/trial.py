@@ -1,8 +1,6 @@
 """One trial in wall-clock time: the processes started, the operator at its page until it is done, all ended, judged."""
 
 import tempfile
-import time
-from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TypeVar
@@ -12,18 +10,17 @@ import msgspec
 from common.errors import ProcessError
 from common.link.transport import open_link
 from farhand.loopback.recorder import Recorder
-from farhand.loopback.run import RunningSites
 from farhand.loopback.site_process import SiteProcess, free_ports, listens, module_command
 from lab.experiments.placing.live.judgement import TrialJudgement
 from lab.experiments.placing.live.pace import LiveResult, live_result
 from lab.experiments.placing.live.plan import CELL, LivePlan, live_plan
 from lab.experiments.placing.trial import Conditions
-from lab.visual_operator.at_console.sitting import SittingNotes
+from lab.stage.staged_sites import StagedSites
+from lab.visual_operator.at_console.operator_process import TrialNotes
 
 LIVE = "lab.experiments.placing.live."
 JUDGED_REMOTE, LED_LOCAL, OPERATOR = LIVE + "judged_remote", LIVE + "led_local", "lab.visual_operator.at_console"
 START_TIMEOUT_S, MARGIN_S = 60.0, 20.0
-POLL_S = 0.1
 
 T = TypeVar("T")
 
@@ -34,56 +31,39 @@ def run_live(conditions: Conditions) -> LiveResult:
     The simulated cell's process alone knows where the block is, and tells it once it ends, after the operator has left.
     """
     with tempfile.TemporaryDirectory() as seen, tempfile.TemporaryDirectory() as hidden:
-        plan, sites, judgement = live_plan(conditions, free_ports(4), Path(seen)), RunningSites(), Path(hidden) / "end"
+        plan, judgement = live_plan(conditions, free_ports(4), Path(seen)), Path(hidden) / "end"
+        sites = StagedSites({"STATE_DIRECTORY": hidden})
         try:
-            _play(plan, judgement, Path(hidden), sites)
+            _play(plan, judgement, sites)
         finally:
             sites.end()
-        notes = _read(Path(plan.sitting.notes), SittingNotes, sites)
+        notes = _read(Path(plan.operator.notes), TrialNotes, sites)
         return live_result(notes, _read(judgement, TrialJudgement, sites), sites.record, sites.events)
 
 
 def operator_process(plan: LivePlan) -> SiteProcess:
     """The operator's, which is given the console's port and its hand's socket, and of both sites nothing."""
-    return _process("operator", OPERATOR, [msgspec.json.encode(plan.sitting).decode()], {})
+    return SiteProcess("operator", module_command(OPERATOR, msgspec.json.encode(plan.operator).decode()), {})
 
 
-def _play(plan: LivePlan, judgement: Path, runtime: Path, sites: RunningSites) -> None:
+def _play(plan: LivePlan, judgement: Path, sites: StagedSites) -> None:
     """Start everything, and return when the operator has left; the links are closed then."""
     with ExitStack() as stack:
-        state = {"STATE_DIRECTORY": str(runtime)}
-        sites.add(_process("remote", JUDGED_REMOTE, [str(judgement), "remote", *_set(plan.remote)], state))
+        sites.start("remote", module_command(JUDGED_REMOTE, str(judgement), "remote"), plan.remote)
         control = stack.enter_context(open_link(connect=(plan.control, plan.listen)))
         sites.listen(Recorder(control, control, CELL, ()))
-        sites.add(_process("local", LED_LOCAL, [plan.sitting.led_by, "local", *_set(plan.local)], state))
-        sites.start("console", _set(plan.console), runtime)
-        _wait("the console", START_TIMEOUT_S, sites, lambda: listens(plan.sitting.port))
+        sites.start("local", module_command(LED_LOCAL, plan.operator.led_by, "local"), plan.local)
+        sites.start("console", module_command("farhand", "console"), plan.console)
+        sites.wait("the console", lambda: listens(plan.operator.port), START_TIMEOUT_S)
         operator = operator_process(plan)
         stack.callback(operator.end)
-        most_s = plan.sitting.patience_s + plan.sitting.most_s + MARGIN_S
-        _wait("the operator", most_s, sites, lambda: operator.exit_code is not None)
+        most_s = plan.operator.patience_s + plan.operator.most_s + MARGIN_S
+        sites.wait("the operator", lambda: operator.exit_code is not None, most_s)
         if operator.exit_code:
             raise ProcessError(f"the operator left its page: {operator.last_error()}; {sites.last_errors()}")
 
 
-def _set(settings: Sequence[str]) -> list[str]:
-    return [part for setting in settings for part in ("--set", setting)]
-
-
-def _process(name: str, module: str, arguments: Sequence[str], environment: dict[str, str]) -> SiteProcess:
-    return SiteProcess(name, module_command(module, *arguments), environment)
-
-
-def _wait(what: str, timeout_s: float, sites: RunningSites, is_so: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + timeout_s
-    while not is_so():
-        sites.check()
-        if time.monotonic() > deadline:
-            raise ProcessError(f"waited {timeout_s:g} s without success for {what}: {sites.last_errors()}")
-        time.sleep(POLL_S)
-
-
-def _read(path: Path, kind: type[T], sites: RunningSites) -> T:
+def _read(path: Path, kind: type[T], sites: StagedSites) -> T:
     try:
         return msgspec.json.decode(path.read_bytes(), type=kind)
     except OSError as error:

@@ -1,1 +1,1 @@
-"""What the report's figures show, as PNG: frames with the model, curves, the humanoid's postures."""
+"""The report's figures, as PNG: frames with the model, and curves."""

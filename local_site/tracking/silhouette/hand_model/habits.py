@@ -65,8 +65,8 @@ class LimbEvidence:
 
 
 class Habits:
-    """How the operator holds the hand as a gripper, and its sizes: at first those of an average hand, then increasingly
-    the operator's own, as motion shows the hand from all sides."""
+    """The operator's way to hold the hand as a gripper, and its sizes: at first those of an average hand, then more and
+    more the operator's own, as motion shows the hand from all sides."""
 
     def __init__(self, own: Belief | None = None) -> None:
         """`own` was learned in an earlier run."""
@@ -108,14 +108,14 @@ class Habits:
         self.learn(fit.pose.posture, belief, posture_information(shown))
 
     def is_open(self, posture: Array, was_open: bool = False) -> bool:
-        """Whether the fingers are stretched well beyond their usual curl (thesis 4.2).
+        """Return whether the fingers are stretched well beyond their usual curl (thesis 4.2).
 
         A hand that was open stays open until the fingers are nearly curled as usual (hysteresis).
         """
         return self._curl(posture) < (STILL_OPEN_CURL if was_open else OPEN_CURL)
 
     def are_apart(self, posture: Array, were_apart: bool = False) -> bool:
-        """Whether all fingers are seen apart, as an opening hand has to show them (thesis 4.2).
+        """Return whether all fingers are seen apart, as an opening hand has to show them (thesis 4.2).
 
         They lie side by side in the usual hold, a U like a gripper's jaws; of an operator who fans them there, as in an
         average one. From there they have to part until the background shows between each two tips. Fingers that were
@@ -125,7 +125,7 @@ class Habits:
         return float(posture[SPREAD]) - together > (STILL_APART if were_apart else APART)
 
     def is_closed(self, posture: Array) -> bool:
-        """Whether the fingers are curled as usual."""
+        """Return whether the fingers are curled as usual."""
         return self._curl(posture) > CLOSED_CURL
 
     def _curl(self, posture: Array) -> float:

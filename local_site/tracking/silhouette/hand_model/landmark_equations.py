@@ -25,7 +25,7 @@ def landmark_of(sphere: int) -> int:
 
 @compiled
 def landmark_points(centres: Array) -> Array:
-    """Where the landmarks (21, 3) of a hand are, by the centres (24, 3) of its spheres."""
+    """Compute where the landmarks (21, 3) of a hand are, by the centres (24, 3) of its spheres."""
     points = np.zeros((LANDMARKS, 3))
     for n in range(LANDMARKS):
         for k in range(3):

@@ -134,7 +134,7 @@ class HandPose(NamedTuple):
 
 
 class Person(NamedTuple):
-    """What a fit does not estimate: size relative to the average hand, side, unit vector (3,) from wrist to elbow."""
+    """The givens of a fit: size relative to the average hand, side, unit vector (3,) from wrist to elbow."""
 
     scale: float
     right_arm: bool

@@ -8,7 +8,7 @@ import av
 import numpy as np
 import pyarrow.parquet as pq
 
-from farhand.export.lerobot.run import ExportSettings, ExportSummary, export_lerobot
+from farhand.export.lerobot.dataset_export import ExportSettings, ExportSummary, export_lerobot
 from farhand.export.session import RecordedSession
 from farhand.export.videos.h264 import Rgb
 from tests.farhand.export.made_session import MadeSession

@@ -3,7 +3,7 @@
 import pytest
 
 from common.errors import ConfigError, ExportError, InterruptionError
-from farhand.export.lerobot.run import ExportSettings, export_lerobot
+from farhand.export.lerobot.dataset_export import ExportSettings, export_lerobot
 from farhand.export.lerobot.staging import ExportJob, Staging
 from tests.farhand.export.lerobot.made_dataset import export, made_sessions
 

@@ -13,8 +13,8 @@ from common.config.loading import load_config
 from common.geometry import Array, angle_between, transform
 from common.messages.hand import Intent
 from farhand.deployment.shipped import HERE
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import LEASE, OPERATOR, SESSION, SteppedSite
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import LEASE, OPERATOR, SESSION, SteppedSite
 from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm

@@ -9,8 +9,8 @@ import pytest
 
 from common.errors import CameraError
 from lab.experiments.placing.trial import MOST_S, Conditions, _Trial, remote_config, run_trial
-from lab.experiments.stepped.robots import SteppedCell
-from lab.experiments.stepped.site import SteppedSite
+from lab.stage.stepped.robots import SteppedCell
+from lab.stage.stepped.site import SteppedSite
 from lab.visual_operator.sight.sight import Sight
 from remote_site.config import RemoteConfig
 from remote_site.simulation.process import SimulatedCell

@@ -10,9 +10,9 @@ from lab.experiments.placing.causes import CAUSES
 from lab.experiments.placing.over_network import NETWORKS
 from lab.experiments.placing.series import FREE, ROLL_FIXED
 from lab.experiments.report import ExperimentReport
-from lab.experiments.results.every import run_every
 from lab.experiments.results.printed import of_report, of_thesis
 from lab.experiments.results.results_page import as_html, as_markdown, in_report, in_thesis
+from lab.experiments.run import run_every
 
 NAMES = ("calibration", "causes", "hazel", "icr", "markers", "network", "placing")
 FIGURE = {"median": 2.0, "q1": 1.0, "q3": 3.0}

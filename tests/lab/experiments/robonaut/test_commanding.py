@@ -12,9 +12,8 @@ from common.messages.hand import TrackingStatus
 from farhand.loopback.scenario import ARM_FILES, HUMANOID, MONOCULAR, arm_settings
 from lab.experiments.robonaut import commanding
 from lab.experiments.robonaut.commanded import command_humanoid, commanded_figures, commanded_table
-from lab.experiments.robonaut.figures.humanoid_views import HumanoidViews
 from lab.experiments.robonaut.footage import Tracked, frame_ns
-from lab.experiments.robonaut.grasping.handling import GRASPING
+from lab.experiments.robonaut.grasping import GRASPING
 from lab.experiments.run import run_experiment
 from local_site.simulation.hazel import UPPER_ARM_M, true_points
 from local_site.tracking.monocular.arm_model import ArmPose
@@ -47,7 +46,7 @@ PLOTS = {
 @pytest.fixture(scope="module")
 def views():
     try:
-        views = HumanoidViews(REMOTE)
+        views = commanding.HumanoidViews(REMOTE)
     except CameraError as error:
         pytest.skip(str(error))
     yield views

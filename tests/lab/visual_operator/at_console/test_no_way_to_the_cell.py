@@ -10,7 +10,7 @@ import msgspec
 from lab.experiments.placing.live import trial
 from lab.experiments.placing.live.plan import live_plan
 from lab.experiments.placing.trial import Conditions
-from lab.visual_operator.at_console.sitting import Sitting
+from lab.visual_operator.at_console.operator_process import OperatorSetup
 
 FORBIDDEN = ("remote_site", "local_site", "mujoco", "zenoh", "common.link", "lab.experiments", "farhand.loopback")
 IMPORTED = """
@@ -29,13 +29,13 @@ def test_its_process_imports_neither_site_nor_the_links():
 
 def test_it_is_given_the_console_and_its_hand_and_nothing_of_the_remote_site():
     plan = live_plan(Conditions("silhouette", True, 9), (7001, 7002, 7003, 7004), Path("seen"))
-    sitting = msgspec.json.encode(plan.sitting).decode()
-    assert not any(str(port) in sitting for port in (7001, 7002, 7003))
+    setup = msgspec.json.encode(plan.operator).decode()
+    assert not any(str(port) in setup for port in (7001, 7002, 7003))
     settings = dict(setting.split("=", 1) for setting in plan.remote)
-    assert settings["simulation.block.yaw_deg"] not in sitting
+    assert settings["simulation.block.yaw_deg"] not in setup
     assert (
-        set(msgspec.structs.asdict(plan.sitting))
-        == set(Sitting.__struct_fields__)
+        set(msgspec.structs.asdict(plan.operator))
+        == set(OperatorSetup.__struct_fields__)
         == {"port", "led_by", "notes", "roll_fixed", "seed", "page_ns", "most_s", "patience_s"}
     )
 
@@ -56,4 +56,4 @@ def test_its_process_gets_that_and_nothing_else(monkeypatch, tmp_path):
     trial.operator_process(plan)
     name, *command = told[0]
     assert name == "operator"
-    assert command[1:] == ["-P", "-m", trial.OPERATOR, msgspec.json.encode(plan.sitting).decode()]
+    assert command[1:] == ["-P", "-m", trial.OPERATOR, msgspec.json.encode(plan.operator).decode()]

@@ -13,11 +13,11 @@ from common.messages.robot import SessionState
 from farhand.loopback.site_process import free_ports
 from lab.measure.page import scene
 from lab.measure.page.bare_console import BareConsole
+from lab.stage.waiting import until
 from lab.visual_operator.at_console import page_connection
 from lab.visual_operator.at_console.console_page import ConsolePage
 from lab.visual_operator.at_console.led_pose import LedPose, LedPoses
 from lab.visual_operator.at_console.page_connection import PageConnection
-from tests.waiting import until
 
 PATIENCE_S = 30.0
 

@@ -1,6 +1,7 @@
 """The gripper's signal: the open hand of the simulated operator is seen as open, and the closed one as closed."""
 
 import numpy as np
+import pytest
 
 from local_site.simulation.config import MotionConfig
 from tests.local_site.tracking.learned.simulated_landmarks import shown_tracker, simulated_landmarks

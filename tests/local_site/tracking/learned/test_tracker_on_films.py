@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 
 from common.messages.hand import TrackingStatus
-from lab.films.arm.arm_mesh import MESH
 from lab.films.listing import mesh_films
 
-pytestmark = [
-    pytest.mark.long,  # rendering; test_tracker_in_an_office.py covers the same ground
-    pytest.mark.skipif(not MESH.exists(), reason="the arm's mesh is not here"),
-]
+pytestmark = pytest.mark.long  # rendering; test_tracker_in_an_office.py covers the same ground
 
 SEED = 1
 KNOWN, UNTIL, EMPTY_UNTIL = 65, 100, 60

@@ -30,7 +30,7 @@ def test_what_a_step_breaks_is_named(steps: list[float], broken: str) -> None:
     for step in steps:
         q = q + step * FIRST
         said = said or check.broken(q, 1)
-        check.take(q, 1)
+        check.note_sent(q, 1)
     assert (broken in said) if broken else said == ""
 
 
@@ -50,7 +50,7 @@ def test_beyond_the_end_is_a_position() -> None:
 
 def test_lost_milliseconds_count_as_their_time() -> None:
     check = StepCheck(FR3, Q)
-    check.take(Q, 1)
+    check.note_sent(Q, 1)
     assert check.broken(Q + 4.9e-6 * FIRST, 1) == ""
     assert check.broken(Q + 2.5e-5 * FIRST, 1) != ""
     assert check.broken(Q + 2.5e-5 * FIRST, 3) == ""

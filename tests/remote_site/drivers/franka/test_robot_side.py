@@ -7,6 +7,7 @@ from structlog.testing import capture_logs
 
 from common.host_clock import MonotonicClock
 from common.process.children import END_TIMEOUT_S
+from lab.stage.waiting import until
 from remote_site.drivers.franka import robot_side
 from remote_site.drivers.franka.config import FrankaConfig
 from remote_site.drivers.franka.robot_port import ArmState, UnreachableError
@@ -60,8 +61,6 @@ def test_why_there_is_no_connection_is_all_that_is_said(monkeypatch: pytest.Monk
     monkeypatch.setattr(robot_side, "FrankaRobot", Refusing)
     side = RobotProcesses(FrankaConfig(host="fr3", gripper=False), MonotonicClock())
     side.start(SETUP)
-    deadline = time.monotonic() + 10.0
-    while not side.failure() and time.monotonic() < deadline:
-        time.sleep(0.01)
+    until(side.failure, "the refusal", 10.0)
     assert side.failure() == "the robot at fr3 refuses (True)"
     side.end()

@@ -8,19 +8,14 @@ import pytest
 from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.geometry import Array
 from common.messages.robot import GripperCommand
+from lab.stage.stepped.driver_process import SteppedDriverProcess
 from remote_site.drivers.driver import JointCommand
-from remote_site.drivers.link import DriverLink
-from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.position_arm.arm import PositionArm
 from remote_site.drivers.position_arm.driver import PositionArmDriver
-from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
-from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.jerk_limited import JerkLimitedTracker
-from remote_site.runtime.driver_process import DriverLoop
 from remote_site.runtime.rate import Rate
 from tests.contracts.driver_stands import CONFIG, SETUP
+from tests.remote_site.drivers.leading_control import RATE_HZ, LeadingControl
 
 START = np.array(CONFIG.robot.start)
 GOAL = START + np.array([2.0, -0.5, 0.4, 1.5, 0.3, -1.0])
@@ -63,17 +58,13 @@ class Rig:
     def __post_init__(self) -> None:
         self.clock = FakeClock(NS_PER_S)
         self.arm = PerfectArm(self.clock, self.rate_hz)
-        self.driver, memory = PositionArmDriver(self.arm, self.clock), DriverMemory.create(6)
-        self.driver.configure(SETUP)
-        self.supervisor = DriverSupervisor(self.driver, SETUP, self.clock, memory.busy, GripWatch(GripSettings()))
-        self.desk = DriverLoop(self.supervisor, memory, self.clock)
-        self.link = DriverLink(memory, SETUP.limits, self.clock)
-        self.follower, self.seq = JerkLimitedTracker(SETUP.limits.scaled_speed(self.speed), SETUP.dt), 0
+        self.driver = PositionArmDriver(self.arm, self.clock)
+        self.process = SteppedDriverProcess(CONFIG, self.driver, self.clock)
+        self.supervisor, link = self.process.supervisor, self.process.link
+        self.control = LeadingControl(link, SETUP.limits.scaled_speed(self.speed), self.clock, START)
         self.turn_ns, self.ended = self.clock.now_ns(), False
-        self.rate = Rate(1 / SETUP.dt, self.clock, least_fraction=LEAST_FRACTION)
-        self.sent = JointMotion.at_rest(START)
         self._turns(400)
-        self.link.activate(START)
+        link.activate(START)
         self._turns(10)
 
     def run(self, ms: float, pause_ms: float = 0.0) -> "Rig":
@@ -82,7 +73,8 @@ class Rig:
         end_ns = self.turn_ns + round(ms * NS_PER_MS)
         while self.turn_ns < end_ns:
             if self.rate.next_ns <= self.turn_ns and not self.ended:
-                self._order()
+                self.rate.wait()
+                self.control.order(self.goal)
             else:
                 self._turn()
         return self
@@ -90,22 +82,12 @@ class Rig:
     def _turns(self, ms: float) -> None:
         for _ in range(round(ms * NS_PER_MS / TURN_NS)):
             self._turn()
-        self.rate = Rate(1 / SETUP.dt, self.clock, least_fraction=LEAST_FRACTION)
+        self.rate = Rate(RATE_HZ, self.clock, least_fraction=LEAST_FRACTION)
 
     def _turn(self) -> None:
         self.clock.sleep_until_ns(max(self.turn_ns, self.clock.now_ns()))
-        self.desk.turn()
+        self.process.turn()
         self.turn_ns = self.clock.now_ns() + TURN_NS
-
-    def _order(self) -> None:
-        self.rate.wait()
-        self.link.read()
-        self.follower.reset(self.sent)
-        motion = self.follower.track(JointMotion.at_rest(self.goal))
-        assert isinstance(motion, JointMotion)
-        self.seq += 1
-        command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
-        self.sent = self.link.write(command).motion
 
     def most(self) -> float:
         """The longest step of any joint, as a fraction of a period's at full speed."""

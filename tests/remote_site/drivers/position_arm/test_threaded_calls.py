@@ -10,12 +10,12 @@ import pytest
 from common.errors import DriverError
 from common.host_clock import MonotonicClock
 from common.messages.robot import GripperCommand
+from lab.stage.waiting import until
 from remote_site.drivers.driver import JointCommand
 from remote_site.drivers.position_arm.arm import PositionArm, PositionArmWithGripper
 from remote_site.drivers.position_arm.calls import ArmCallError
 from remote_site.drivers.position_arm.driver import PositionArmDriver
 from tests.contracts.driver_stands import SETUP
-from tests.waiting import until
 
 PATIENCE_S = 5.0
 

@@ -4,19 +4,13 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS, FakeClock
-from common.messages.robot import GripperCommand
+from lab.stage.stepped.driver_process import SteppedDriverProcess
 from remote_site.config import RemoteConfig
-from remote_site.drivers.driver import Capabilities, JointCommand
+from remote_site.drivers.driver import Capabilities
 from remote_site.drivers.kinematic import KinematicDriver
-from remote_site.drivers.link import DriverLink
-from remote_site.drivers.memory import DriverMemory
-from remote_site.drivers.supervisor.grip import GripSettings, GripWatch
-from remote_site.drivers.supervisor.supervisor import DriverSupervisor
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
-from remote_site.kinematics.joints import JointMotion
-from remote_site.motion.jerk_limited import JerkLimitedTracker
-from remote_site.runtime.driver_process import DriverLoop, setup_of
 from remote_site.runtime.rate import Rate
+from tests.remote_site.drivers.leading_control import RATE_HZ, LeadingControl
 from tests.remote_site.remote_loop import arm
 
 _, LIMITS = arm()
@@ -49,32 +43,25 @@ class Rig:
 
     def __init__(self, phase_ms, make=Kept):
         self.clock = FakeClock(1000 * NS_PER_MS)
-        self.robot, memory, setup = make(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
-        self.robot.configure(setup)
-        self.supervisor = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
-        self.desk, self.link = DriverLoop(self.supervisor, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
-        self.follower, self.phase_ms, self.seq = JerkLimitedTracker(LIMITS, setup.dt), phase_ms, 0
-        self.link.activate(START)
-        self.desk.turn()
-        self.sent = JointMotion.at_rest(START)
-        self.rate = Rate(1 / setup.dt, self.clock, least_fraction=LEAST_FRACTION)
+        self.robot, self.phase_ms = make(self.clock), phase_ms
+        self.process = SteppedDriverProcess(RemoteConfig(), self.robot, self.clock)
+        self.supervisor = self.process.supervisor
+        self.control = LeadingControl(self.process.link, LIMITS, self.clock, START)
+        self.process.link.activate(START)
+        self.process.turn()
+        self.rate = Rate(RATE_HZ, self.clock, least_fraction=LEAST_FRACTION)
 
     def tick(self, late_ms=0.0):
         wake_ns = self.rate.next_ns + round(late_ms * NS_PER_MS)
         turn_ns = self.clock.now_ns() + round(self.phase_ms * NS_PER_MS)
         while turn_ns < wake_ns:
             self.clock.sleep_until_ns(turn_ns)
-            self.desk.turn()
+            self.process.turn()
             turn_ns += 2 * NS_PER_MS
         self.clock.sleep_until_ns(wake_ns)
         self.rate.wait()
-        assert self.link.read().ready
-        self.follower.reset(self.sent)
-        motion = self.follower.track(JointMotion.at_rest(GOAL))
-        self.seq += 1
-        command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
-        self.sent = self.link.write(command).motion
-        self.desk.turn()
+        assert self.control.order(GOAL).ready
+        self.process.turn()
 
     def written(self):
         t = np.array([c.t_ns for c in self.robot.written]) / 1e9
@@ -89,7 +76,7 @@ def test_a_stumble_slows_the_arm_and_costs_no_full_stop(late_ms, phase_ms):
     for _ in range(60):
         rig.tick()
     rig.tick(late_ms)
-    at_waking, woke_ns = rig.sent, rig.clock.now_ns()
+    at_waking, woke_ns = rig.control.sent, rig.clock.now_ns()
     for _ in range(400):
         rig.tick()
     assert rig.supervisor.commanded.stop_count == (1 if late_ms > 8 else 0)  # 4 ms more since the last command
@@ -165,32 +152,18 @@ class LateRobot(Kept):
             self.pass_time(self._clock.now_ns() + round(late_ms * NS_PER_MS))
 
 
-class LateRig:
+class LateRig(Rig):
     """Control on its own time, whatever the driver's process does; that turns when it wakes."""
 
     def __init__(self):
-        self.clock = FakeClock(1000 * NS_PER_MS)
-        self.robot, memory, setup = LateRobot(self.clock), DriverMemory.create(6), setup_of(RemoteConfig())
-        self.robot.pass_time = self.control_until
-        self.robot.configure(setup)
-        self.supervisor = DriverSupervisor(self.robot, setup, self.clock, memory.busy, GripWatch(GripSettings()))
-        self.desk, self.link = DriverLoop(self.supervisor, memory, self.clock), DriverLink(memory, LIMITS, self.clock)
-        self.follower, self.seq, self.waits = JerkLimitedTracker(LIMITS, setup.dt), 0, []
-        self.link.activate(START)
-        self.desk.turn()
-        self.sent, self.rang = JointMotion.at_rest(START), False
-        self.rate = Rate(1 / setup.dt, self.clock, least_fraction=LEAST_FRACTION)
+        super().__init__(0.0, LateRobot)
+        self.robot.pass_time, self.rang = self.control_until, False
 
     def control_until(self, until_ns):
         while self.rate.next_ns <= until_ns:
             self.rate.wait()
-            self.follower.reset(self.sent)
-            motion = self.follower.track(JointMotion.at_rest(GOAL))
-            self.seq += 1
-            command = JointCommand(self.seq, self.clock.now_ns(), motion.q, motion.dq, motion.ddq, GripperCommand.KEEP)
-            report = self.link.read()
-            assert report.ready
-            self.sent, self.rang = self.link.write(command).motion, True
+            assert self.control.order(GOAL).ready
+            self.rang = True
         self.clock.sleep_until_ns(until_ns)
 
     def run(self, ms):
@@ -200,7 +173,7 @@ class LateRig:
             if not self.rang:
                 self.control_until(max(wake_ns, self.clock.now_ns()))
             self.rang = False
-            self.desk.turn()
+            self.process.turn()
 
     def by_the_clock(self):
         """Speed, acceleration and jerk of what was written, by when it came, as fractions of the limits."""
@@ -227,9 +200,9 @@ def test_after_a_late_driver_the_robot_sees_no_more_than_the_limits_by_the_clock
 def test_without_late_calls_nothing_waits_and_a_delay_is_made_up():
     rig = LateRig()
     rig.run(100.0)
-    orders, came = rig.seq, len(rig.robot.came_ns)
+    orders, came = rig.control.seq, len(rig.robot.came_ns)
     rig.run(100.0)
-    assert len(rig.robot.came_ns) - came == rig.seq - orders
+    assert len(rig.robot.came_ns) - came == rig.control.seq - orders
     assert rig.robot.came_ns[-1] == rig.rate.next_ns - 4 * NS_PER_MS  # immediately
     rig.robot.late_ms["read"] = 7.9
     rig.run(20.0)

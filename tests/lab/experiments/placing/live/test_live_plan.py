@@ -42,10 +42,10 @@ def test_all_meet_at_the_same_endpoints():
     assert remote.cell == local.cell == console.cell
     assert remote.links.control_endpoint == local.links.remote == console.links.control == made.control
     assert local.links.listen == console.links.local == made.listen
-    assert console.serve.port == made.sitting.port
+    assert console.serve.port == made.operator.port
     assert local.authority.name == console.name == OPERATOR_NAME
 
 
 def test_the_operator_locks_the_roll_where_it_is_fixed():
-    assert plan(roll_fixed=True).sitting.roll_fixed
-    assert not plan(roll_fixed=False).sitting.roll_fixed
+    assert plan(roll_fixed=True).operator.roll_fixed
+    assert not plan(roll_fixed=False).operator.roll_fixed

@@ -11,7 +11,7 @@ from lab.experiments.placing.judge import Placed
 from lab.experiments.placing.live.judgement import TrialJudgement
 from lab.experiments.placing.live.pace import LOST_TIME, live_result
 from lab.measure.page import scene
-from lab.visual_operator.at_console.sitting import SittingNotes
+from lab.visual_operator.at_console.operator_process import TrialNotes
 from lab.visual_operator.operator import Notes
 
 END = TrialJudgement(end=Placed(1.0, -2.0, 0.5, True), drops=1, collisions=2, grip_force_n=30.0)
@@ -34,7 +34,7 @@ def hand(t_s):
 
 @pytest.fixture
 def result():
-    notes = SittingNotes(start_ns=BEGIN_S * NS_PER_S)
+    notes = TrialNotes(start_ns=BEGIN_S * NS_PER_S)
     for age_ms, took_ms, code in ((60.0, 30.0, "ok"), (80.0, 50.0, "let_go"), (70.0, 40.0, "ok")):
         notes.add_look(age_ms, took_ms, code)
     notes.end(Notes(clutches=4, misses=1), END_S * NS_PER_S, 2)
