@@ -6,7 +6,7 @@ import pytest
 
 import farhand.cli
 from common.errors import ProcessError
-from farhand.loopback import rendering, run
+from farhand.loopback import measured_run, rendering
 from farhand.loopback.rendering import explained, rendering_problem
 from remote_site.video.cell_cameras import CURE
 
@@ -25,7 +25,7 @@ def test_without_egl_the_last_line_names_the_packages(monkeypatch, capsys) -> No
             raise FAILURE
 
     monkeypatch.setitem(sys.modules, "mujoco.egl", None)
-    monkeypatch.setattr(run, "Loopback", Failing)
+    monkeypatch.setattr(measured_run, "Loopback", Failing)
     monkeypatch.setattr(sys, "argv", ["farhand", "loopback"])
     with pytest.raises(SystemExit) as ended:
         farhand.cli.main()

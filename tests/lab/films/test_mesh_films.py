@@ -6,7 +6,6 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from common.errors import ConfigError
 from lab.films.arm.arm_mesh import load_arm_mesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.posing import PosedArm
@@ -19,11 +18,6 @@ from local_site.calibration.triangulation import project
 QUIET = FilmSetting(shutter_s=0.0, noise=0.0)
 SMALL = MeshFilm(name="small", setting=QUIET, size=(320, 240), seconds=0.2)
 POINTS = ("elbow", "wrist", "index", "thumb")
-
-
-def test_a_missing_mesh_is_named(tmp_path):
-    with pytest.raises(ConfigError, match="is missing: put"):
-        load_arm_mesh(tmp_path / "nothing.npz", "average")
 
 
 def instants(config):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from lab.mutants import known, run
+from lab.mutants import known, survivors
 from lab.mutants.known import KnownResults, Result, key_of
 from lab.mutants.operators import mutants_of
 from lab.mutants.survivors import Job
@@ -60,8 +60,8 @@ def stand_in(monkeypatch: pytest.MonkeyPatch, most: int) -> list[Job]:
             tried.append(job)
             yield job, len(tried) % 2 == 0
 
-    monkeypatch.setattr(run, "_run", run_them)
-    monkeypatch.setattr(run, "_time_unchanged", lambda _tests: 0.0)
+    monkeypatch.setattr(survivors, "_run", run_them)
+    monkeypatch.setattr(survivors, "_time_unchanged", lambda _tests: 0.0)
     known._digest.cache_clear()
     return tried
 
@@ -72,15 +72,15 @@ def test_a_run_that_was_ended_goes_on_where_it_stopped(
     file = tmp_path / "build" / "mutants.jsonl"
     first = stand_in(monkeypatch, 3)
     with pytest.raises(KeyboardInterrupt):
-        run.find_survivors(jobs, KnownResults(file))
+        survivors.find_survivors(jobs, KnownResults(file))
     assert first == jobs[:3]
     with file.open("a") as lines:
         lines.write('{"key": "it was killed while it wr')
     second = stand_in(monkeypatch, 100)
-    assert run.find_survivors(jobs, KnownResults(file)) == [jobs[1], jobs[4]]
+    assert survivors.find_survivors(jobs, KnownResults(file)) == [jobs[1], jobs[4]]
     assert second == jobs[3:]
     third = stand_in(monkeypatch, 100)
-    assert run.find_survivors(jobs, KnownResults(file)) == [jobs[1], jobs[4]]
+    assert survivors.find_survivors(jobs, KnownResults(file)) == [jobs[1], jobs[4]]
     assert third == []
 
 
