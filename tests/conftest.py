@@ -24,10 +24,10 @@ PATIENCE_S = 3600.0  # with tests that take long; pyproject.toml has the others'
 # Tests of light sites, which only wait for events, run in one row beside others, and first, since they take longest.
 FIRST = (HERE / "integration",)
 IN_A_ROOM = HERE / "loopback" / "test_loopback_in_a_room.py"
-# Where pace is measured (page, loop, links) tests come last, in one row too, and beside them only such as mostly wait.
+# Where pace is measured (loop, links) tests come last, in one row too, and beside them only such as mostly wait.
 LAST = (
     HERE / "faults",
-    HERE / "browser",
+    HERE / "examples",
     HERE / "loopback" / "test_loopback.py",
     IN_A_ROOM,
     HERE / "farhand" / "doctor" / "link",
@@ -39,7 +39,6 @@ WAITING = (
     HERE / "farhand" / "authority",
     HERE / "common" / "link",
     HERE / "farhand" / "certificates",
-    HERE / "examples",
     HERE / "common" / "process" / "test_life.py",
     HERE / "loopback" / "test_dying_site.py",
     HERE / "farhand" / "doctor",

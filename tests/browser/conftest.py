@@ -1,4 +1,4 @@
-"""Both sites with small pictures, a console, a browser and an operating page, once for all tests of the page."""
+"""Both sites with small pictures, a console, a browser and an operating page, once for all tests of a file."""
 
 import shutil
 from collections.abc import Callable, Iterator
@@ -46,7 +46,7 @@ def browser() -> Iterator[object]:
         chromium.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def stand(browser: object) -> Iterator[Stand]:
     """Both sites and a console, running."""
     with running_sites() as sites:
@@ -60,7 +60,7 @@ def stand(browser: object) -> Iterator[Stand]:
         yield Stand(sites, remote, console, f"http://127.0.0.1:{port}/", browser)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def operating_page(stand: Stand) -> Iterator[OpenedPage]:
     """The page that operates, opened once, since opening one is what takes longest."""
     opened = OpenedPage(stand.browser, stand.address)

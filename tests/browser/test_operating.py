@@ -136,8 +136,12 @@ def test_scales_locks_and_new_origins_reach_the_arm_and_outlast_a_reload(stand, 
 
 def test_the_tool_is_drawn_where_it_is(stand, page) -> None:
     page.wait_for("the arm", lambda: "tool at" in page.words("#arm-words"))
-    shown = [float(part) for part in page.words("#arm-words").split("tool at ")[1].split(" mm")[0].split(", ")]
-    assert shown == pytest.approx([1000 * v for v in stand.sites.state.base_T_tool.position], abs=1.0)
+
+    def is_shown() -> bool:
+        shown = [float(part) for part in page.words("#arm-words").split("tool at ")[1].split(" mm")[0].split(", ")]
+        return shown == pytest.approx([1000 * v for v in stand.sites.state.base_T_tool.position], abs=1.0)
+
+    page.wait_for("the tool where it is", is_shown)
 
 
 def test_a_view_is_enlarged_by_its_number_and_made_small_again(page) -> None:

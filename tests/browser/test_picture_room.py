@@ -99,4 +99,4 @@ def test_a_cell_without_a_camera_says_so_and_shows_the_arm_and_the_operator_inst
     views.describe()
     views.cameras, views.picture = scene.CAMERAS, views._plain
     views.until("the views", lambda: len(views.page.marks()) == 4)
-    assert not views.page.page.is_visible("#no-views")
+    views.until("no words", lambda: not views.page.page.is_visible("#no-views"))

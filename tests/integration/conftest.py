@@ -1,4 +1,4 @@
-"""What all tests of whole sites share: one pair of them, ended at the end."""
+"""What the tests of whole sites in a file share: one pair of them."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from tests.integration.sites import pytest_runtest_makereport, running_sites
 __all__ = ["pytest_runtest_makereport"]
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def pair() -> Iterator[Pair]:
     """Both sites, as the last test left them."""
     with running_sites() as sites:

@@ -140,13 +140,14 @@ def test_an_obstacle_hinders_before_a_singular_posture():
     assert Code.OBSTACLE in codes
 
 
+@pytest.mark.parametrize("turn", [1.5, 1.51])
 @pytest.mark.parametrize("beside_m", [0.15, 0.25])
-def test_an_obstacle_is_approached_by_four_times_the_clearance_a_second_and_no_faster(beside_m):
+def test_an_obstacle_is_approached_by_four_times_the_clearance_a_second_and_no_faster(beside_m, turn):
     post = FixtureConfig(name="post", min_m=(0.4, beside_m, 0.0), max_m=(0.5, beside_m + 0.1, 1.2))
     collision = CollisionConfig(fixtures=(post,), slow_m=0.2)
     config = RemoteConfig(safety=SafetyConfig(collision=collision))
     planning, bodies, distances = Planning(config), collision_model(config), []
-    planning.tracker.q_target = turned(1.5)
+    planning.tracker.q_target = turned(turn)
     for _ in range(250):
         planning.follow()
         distances.append(
@@ -154,7 +155,8 @@ def test_an_obstacle_is_approached_by_four_times_the_clearance_a_second_and_no_f
         )
     approach = -np.diff(distances) / DT
     clearance = np.array(distances[:-1]) - collision.margin_m - 0.004
-    near = (clearance > 0.005) & (clearance < collision.slow_m)  # nearer, the rounding of distances counts
+    # At the edge of what slows it the arm still brakes from the speed at which it came; nearest, rounding counts.
+    near = (clearance > 0.005) & (clearance < 0.75 * collision.slow_m)
     assert 3.5 < (approach[near] / clearance[near]).max() < 4.5
 
 
