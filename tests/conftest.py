@@ -24,10 +24,12 @@ PATIENCE_S = 3600.0  # with tests that take long; pyproject.toml has the others'
 # Tests of light sites, which only wait for events, run in one row beside others, and first, since they take longest.
 FIRST = (HERE / "integration",)
 IN_A_ROOM = HERE / "loopback" / "test_loopback_in_a_room.py"
-# Where pace is measured (loop, links) tests come last, in one row too, and beside them only such as mostly wait.
+# Where pace is measured (page, loop, links) tests come last, in one row too, and beside them only such as mostly wait.
+# Playwright leaves a running event loop behind it, besides: what comes after it must not need its own.
 LAST = (
     HERE / "faults",
     HERE / "examples",
+    HERE / "browser",
     HERE / "loopback" / "test_loopback.py",
     IN_A_ROOM,
     HERE / "farhand" / "doctor" / "link",

@@ -239,6 +239,7 @@ def test_several_joints_near_their_limits_are_named_the_nearest_first(small: Tol
     small.until("both names", lambda: small.page.words("#arm-words").startswith(words))
 
 
+@pytest.mark.slow
 def test_an_open_gripper_and_a_closed_one_are_drawn_differently(small: Told) -> None:
     def show(opening_m: float, status: GripperStatus) -> None:
         gripper = GripperState(opening_m, 0.0, GripperCommand(status.value), status)

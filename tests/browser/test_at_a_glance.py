@@ -221,6 +221,7 @@ def test_a_telephone_is_shown_no_keys_and_a_computer_is(told: Told, browser: obj
     plain.context.close()
 
 
+@pytest.mark.slow
 def test_ghost_and_tool_are_switched_off_by_one_button_each_and_stay_so(told: Told) -> None:
     page = told.page.page
     for button, key in (("ghost", "g"), ("marks", "t")):

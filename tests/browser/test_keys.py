@@ -199,6 +199,7 @@ def test_escape_stops_in_every_state(overheard: Told, name: str) -> None:
     assert stops(overheard)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", SIZES)
 def test_escape_stops_at_every_size_whether_or_not_its_button_is_in_sight(
     overheard: Told, size: tuple[int, int]
@@ -281,6 +282,7 @@ def clutched(told: Told, key: str) -> None:
     told.until(f"the clutch {key}", lambda: set(told.page.page.evaluate(CLUTCHES)) == {key})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("by", ["key", "button"])
 def test_the_clutch_is_down_while_it_is_held_and_what_is_next_is_said(overheard: Told, by: str) -> None:
     shows(overheard, "engaged")

@@ -38,6 +38,7 @@ def apart(told: Told) -> Iterator[Told]:
     clock.offset_ns = one
 
 
+@pytest.mark.slow
 def test_a_links_trouble_is_told_with_its_figures(apart: Told) -> None:
     told = apart
     video = VideoLink(carries_mbit_s=1.8, needs_mbit_s=31.0, reason=NARROW)

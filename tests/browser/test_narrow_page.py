@@ -100,6 +100,7 @@ def test_a_finger_enlarges_a_view_stops_the_arm_and_holds_the_key(narrow: Told) 
     narrow.until("the acknowledgement", lambda: "acknowledged" in narrow.page.words("#alert"))
 
 
+@pytest.mark.slow
 def test_a_live_page_without_pictures_and_with_an_enlarged_one_is_whole(narrow: Told) -> None:
     narrow.troubles = {"side": (CameraStatus.FROZEN, MISSING)}
     narrow.until("the trouble", lambda: narrow.mark("side") == "frozen")

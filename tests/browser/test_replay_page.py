@@ -54,6 +54,7 @@ def test_it_cannot_be_mistaken_for_a_live_page(replay: OpenedPage) -> None:
         assert not replay.page.is_visible(control)
 
 
+@pytest.mark.slow
 def test_it_plays_and_pauses(replay: OpenedPage) -> None:
     jump(replay, 0.2, playing=True)
     replay.wait_for("the time to go on", lambda: replay.words("#position") > "0:00.8")
@@ -63,6 +64,7 @@ def test_it_plays_and_pauses(replay: OpenedPage) -> None:
     assert replay.words("#position").startswith("0:01.0")
 
 
+@pytest.mark.slow
 def test_the_space_bar_plays_and_pauses_whatever_has_the_focus(replay: OpenedPage) -> None:
     jump(replay, 1.0)
     theme = replay.page.get_attribute("html", "data-theme")

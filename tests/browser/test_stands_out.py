@@ -44,6 +44,7 @@ def test_stop_stands_out_from_what_is_around_it(told: Told, name: str) -> None:
     assert contrast(ground, around) >= 3.0
 
 
+@pytest.mark.slow
 def test_each_thing_that_the_arm_does_has_a_shape_besides_its_colour(told: Told) -> None:
     shapes: dict[str, str] = {}
 

@@ -74,6 +74,7 @@ def test_every_state_is_told_in_words_with_its_reason_and_can_be_read(told: Told
     assert (told.page.page.get_attribute("#reset", "data-rank") == "next") == (name == "fault")
 
 
+@pytest.mark.slow
 def test_each_camera_in_trouble_is_called_what_it_is_and_why(told: Told) -> None:
     told.until("live views", lambda: set(told.page.marks()) == {"live"})
     told.troubles = dict(zip(scene.CAMERAS, TROUBLES.items(), strict=True))
@@ -206,6 +207,7 @@ def test_a_click_enlarges_a_view_and_makes_it_small_again(told: Told) -> None:
     assert told.page.page.evaluate(width) == small
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("holder", "asked_by", "words"),
     [
@@ -247,6 +249,7 @@ def test_what_the_next_toggle_does_is_shown_before_it_happens(
     told.until("the words", lambda: told.page.words("#gripper") == words)
 
 
+@pytest.mark.slow
 def test_the_age_that_the_page_tells_is_that_of_the_clock_in_its_picture(told: Told) -> None:
     page, image = told.page.page, np.full((*scene.SIZE, 3), 120, np.uint8)
     clock = compare(page)
@@ -313,6 +316,7 @@ def test_the_joints_are_marked_by_clicks_or_keys_where_one_camera_sees_the_opera
     page.evaluate("() => document.querySelector('#cameras .enlarged')?.click()")  # the click beside was on a view
 
 
+@pytest.mark.slow
 def test_a_cell_without_a_held_key_shows_none_and_says_that_a_closed_page_holds_the_arm(told: Told) -> None:
     told.until("live views", lambda: set(told.page.marks()) == {"live"})
     assert told.page.page.is_visible("#hold")
@@ -328,6 +332,7 @@ def test_a_cell_without_a_held_key_shows_none_and_says_that_a_closed_page_holds_
     told.until("the key", lambda: told.page.page.is_visible("#hold"))
 
 
+@pytest.mark.slow
 def test_a_view_of_the_operator_that_is_missing_keeps_no_old_picture(told: Told) -> None:
     """As when the local site ends and a recorded or taught path is run in its place."""
     pixel = "() => [...document.querySelector('#previews canvas').getContext('2d').getImageData(9, 9, 1, 1).data]"

@@ -89,6 +89,7 @@ def shows(told: Told, late: LateRemote, camera: str) -> bool:
     return both and bool(np.linalg.norm(measured - sent) > APART)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("camera", FIXED)
 def test_measured_and_sent_are_where_the_camera_sees_them_and_differ_while_the_hand_moves(
     told: Told, late: LateRemote, camera: str

@@ -121,6 +121,7 @@ def test_no_room_is_left_empty_around_the_next_step(told: Told, name: str) -> No
         assert told.page.page.evaluate(GAPS) < 2.6, screen  # letters
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("screen", SCREENS)
 def test_the_operators_own_views_are_as_wide_as_their_room(told: Told, screen: tuple[int, int]) -> None:
     told.previews = ("left", "right")

@@ -35,6 +35,7 @@ class Raising(KinematicDriver):
         raise KeyError("stop")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("check", ["stamps", "follows", "stop", "deadline"])
 def test_a_check_that_the_machine_has_spoilt_is_repeated(check):
     machine, lines = BusyMachine(pauses=1), []

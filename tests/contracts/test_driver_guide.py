@@ -48,6 +48,7 @@ class Arm(BrakingArm):
     measured_positions, move_to, halt = BrakingArm.read, BrakingArm.write, BrakingArm.stop
 
 
+@pytest.mark.slow
 def test_the_three_methods_of_the_guide_pass_every_check(monkeypatch: pytest.MonkeyPatch) -> None:
     library = ModuleType("arm_library")
     vars(library)["Arm"] = Arm

@@ -168,6 +168,7 @@ def test_a_robot_with_a_gripper_passes(good):
     assert run_checks(kinematic_stand(good), lines.append) == [], lines
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bad", "sentence"),
     [
@@ -193,6 +194,7 @@ def test_a_call_that_returns_the_wrong_thing_is_named():
     assert "the driver's read raised TypeError: it returned None, not a RobotReading" in lines[0]
 
 
+@pytest.mark.slow
 def test_a_watchdog_that_a_driver_has_not_is_skipped():
     lines = []
     run_checks(kinematic_stand(), lines.append)

@@ -62,6 +62,7 @@ def test_two_slow_calls_are_both_reported():
     assert "write took 55 ms (limit 50 ms), read took 60 ms (limit 50 ms)" in lines[0]
 
 
+@pytest.mark.slow
 def test_what_else_is_wrong_is_said_beside_a_slow_call():
     _, lines = lines_of(SlowFreezer)
     stop = next(line for line in lines if line.split()[1:3] == ["stop", "stop"])

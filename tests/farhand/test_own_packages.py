@@ -62,6 +62,7 @@ def test_a_missing_package_is_reported(tmp_path: Path) -> None:
     assert "install Farhand again" in done.stderr
 
 
+@pytest.mark.slow
 def test_farhands_own_packages_are_taken(tmp_path: Path) -> None:
     done = farhand(tmp_path, "config", "show", "local")
     assert (done.returncode, done.stderr) == (0, "")

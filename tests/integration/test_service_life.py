@@ -17,6 +17,7 @@ END_S = 30.0  # two where a machine has nothing else to do
 GONE_S = 3.0  # two where a machine has nothing else to do; it was four to five
 
 
+@pytest.mark.slow
 def test_figures_are_served_and_the_site_goes_on_when_they_die(pair: Pair) -> None:
     process, sites = pair.remote(), pair.sites
     sites.wait("figures of control and video", lambda: figures_at(pair.metrics_port) >= FIGURES)

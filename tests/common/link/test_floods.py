@@ -110,6 +110,7 @@ def test_one_operators_flood_leaves_room_for_anothers_sample(links: list[Link]) 
     assert 7 in [hand.seq for hand in iter(control.take, None)]
 
 
+@pytest.mark.slow
 def test_of_listed_operators_none_displaces_anothers_samples_however_many_come(links: list[Link]) -> None:
     receiver, rude, polite = links
     own, others = (receiver.latest(HAND, CELL, operator=name) for name in ("anna", "ben"))

@@ -124,6 +124,7 @@ def told(link: Link) -> str:
     return ""
 
 
+@pytest.mark.slow
 def test_plain_tcp_against_tls(cell: Cell) -> None:
     plain = f"tcp/{cell.endpoint.partition('/')[2]}"
     assert "refuses plain tcp: the listener there speaks TLS only" in why_refused(plain, ON_THIS_HOST)

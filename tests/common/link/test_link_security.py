@@ -111,6 +111,7 @@ def test_who_listens_everywhere_is_reached_on_the_loopback_interface() -> None:
     assert from_this_host("tcp/10.0.0.4:7447") == "tcp/10.0.0.4:7447"
 
 
+@pytest.mark.slow
 def test_local_programs_need_no_certificate_where_the_local_site_has_one(pki: Path, cell: Cell) -> None:
     here = f"tcp/127.0.0.1:{free_port()}"
     with (

@@ -150,6 +150,7 @@ def test_a_name_taken_off_the_list_is_refused_after_a_restart_and_learns_why(pki
             assert reply_to(anna, EngagementAction.ENGAGE).done
 
 
+@pytest.mark.slow
 def test_a_site_that_runs_while_its_name_is_taken_off_learns_why_it_is_answered_no_more(pki: Path) -> None:
     port = free_port()
     with open_link(connect=(f"tls/127.0.0.1:{port}",), security=secured(pki, "operator.ben")) as ben:

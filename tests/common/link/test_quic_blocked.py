@@ -5,6 +5,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from types import SimpleNamespace
 
+import pytest
+
 from common.link.channels import CLOCK, TROUBLE
 from common.link.endpoints import Endpoint
 from common.link.quic_blockage import QuicBlockageDetector
@@ -72,6 +74,7 @@ def test_the_first_silence_is_doubted_within_five_seconds_and_later_ones_seldom(
     assert checked == [25]
 
 
+@pytest.mark.slow
 def test_the_remote_site_is_told_by_tls_what_keeps_quic_from_it(pki: Path) -> None:
     with running(secured(pki, "remote"), "tls") as cell:
         endpoint = cell.endpoint.replace("tls/", "quic/")

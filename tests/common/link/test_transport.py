@@ -50,6 +50,7 @@ def until_received(publisher: Publisher[HandArm], latest: Latest[HandArm], messa
     raise AssertionError("nothing came")
 
 
+@pytest.mark.slow
 def test_the_newest_message_wins(links: tuple[Link, Link]) -> None:
     server, client = links
     latest, publisher = server.latest(HAND, "lab"), client.publisher(HAND, "lab", operator="anna")
@@ -121,6 +122,7 @@ def test_a_request_repeated_with_its_id_happens_once(links: tuple[Link, Link]) -
     assert handled == [1, 2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("deadline_ns", "code"), [(0, b"expired"), (2**62, b"deadline")])
 def test_an_expired_request_and_one_that_would_never_expire_are_refused(
     links: tuple[Link, Link], deadline_ns: int, code: bytes
@@ -156,6 +158,7 @@ def test_what_is_larger_than_its_channel_allows_never_arrives(links: tuple[Link,
         latest.wait()
 
 
+@pytest.mark.slow
 def test_one_neighbours_flood_of_questions_leaves_room_for_anothers() -> None:
     endpoint, stop, answered = free_endpoint(), threading.Event(), [0]
 
@@ -200,6 +203,7 @@ def test_a_publisher_knows_whether_anybody_listens() -> None:
         until(lambda: not publisher.has_listener)
 
 
+@pytest.mark.slow
 def test_nobody_answering_is_an_error() -> None:
     with open_link(connect=(free_endpoint(),)) as client, pytest.raises(TransportError, match="nobody answered"):
         ask(client, 1, seconds=0.4)

@@ -96,6 +96,7 @@ def test_a_viewer_sees_state_pictures_and_description_and_asks_the_time(site: Wa
         until(lambda: viewer.ask(DESCRIBE, CELL, DescribeQuestion()) == golden.DESCRIPTION)
 
 
+@pytest.mark.slow
 def test_pictures_are_sent_for_viewers_only_while_one_listens(site: Watched) -> None:
     pictures = site.video.publisher(CAMERA, CELL, "side")
     with site.connect() as viewer:
@@ -165,6 +166,7 @@ def test_a_viewer_at_the_control_endpoint_is_told_where_viewers_connect(pki: Pat
         open_link(connect=(cell.endpoint,), security=secured(pki, "viewer"))
 
 
+@pytest.mark.slow
 def test_a_viewers_certificate_of_before_is_let_see_nothing_and_told_so(pki: Path, cell: Cell) -> None:
     old = Identity(Role.VIEWER, CELL)
     days = timedelta(days=9)

@@ -348,6 +348,7 @@ def test_nobody_there_is_no_lease_and_no_clock():
         assert authority.lease_and_clock(time.monotonic_ns()).clock is None
 
 
+@pytest.mark.slow
 def test_a_site_that_is_refused_while_it_runs_ends_with_the_reason(stack, monkeypatch):
     where = endpoint()
     link = stack.enter_context(open_link(connect=(where,)))

@@ -237,6 +237,7 @@ def test_a_real_run_ends_by_its_worst_finding(tmp_path: Path) -> None:
     assert (done.returncode, told["worst"]) == (1, "error")
 
 
+@pytest.mark.slow
 def test_warnings_alone_are_no_failure(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("farhand.doctor.site.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
     listen, remote = free_ports(2)
@@ -323,6 +324,7 @@ def test_a_setting_without_a_file_goes_to_the_site_that_knows_it(
     assert [finding.level for finding in found].count("error") == wrong, found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("setting", "found"),
     [

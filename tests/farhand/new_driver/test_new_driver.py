@@ -54,6 +54,7 @@ def test_farhand_finds_nothing_wrong_with_it(package: Path) -> None:
     assert "FAILED" not in done.stdout
 
 
+@pytest.mark.slow
 def test_a_port_that_has_no_library_yet_is_named(package: Path) -> None:
     done = run("-m", "farhand", "driver", "test", "my_arm", "--set", "driver.options.port=/dev/ttyUSB0", path=package)
     assert done.returncode == 1

@@ -220,6 +220,7 @@ def test_a_gripper_that_is_not_measured_is_refused_before_anything_moves():
     assert without.runs.hand(without.site.now_ns, replace(without.state(), gripper=None)).reason == WAITS
 
 
+@pytest.mark.slow
 def test_a_silent_remote_site_stands_the_run(under_way):
     runs, progress, now_ns, _ = under_way
     before = progress.target

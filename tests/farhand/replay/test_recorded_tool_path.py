@@ -178,6 +178,7 @@ def test_states_that_come_twice_or_late_are_left_out():
     assert path_of([*states, states[10], *stretch(50 * STEP_NS, 10, 0.05)]).duration_s == pytest.approx(0.59)
 
 
+@pytest.mark.slow
 def test_an_episode_without_motion_and_one_that_is_not_there_are_refused_by_name(tmp_path):
     file = recorded_states(tmp_path).file
     cell = recorded_cell(file, tmp_path).cell
@@ -219,6 +220,7 @@ def test_episodes_are_listed_with_what_was_said_of_them_and_one_from_before_is_r
         recorded_path(first, CONFIG.cell, 2)
 
 
+@pytest.mark.slow
 def test_another_arm_is_refused(tmp_path):
     cell = recorded_cell(recorded_states(tmp_path).file, tmp_path)
     check_cell(cell, cell)

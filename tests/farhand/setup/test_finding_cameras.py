@@ -42,6 +42,7 @@ def test_devices_are_named_by_their_port_where_they_have_one(tmp_path):
     assert find_devices(devices, tmp_path / "absent")[1] == str(devices / "video2")
 
 
+@pytest.mark.slow
 def test_a_camera_that_fails_is_told_with_its_cure_and_the_others_are_tried():
     person = ScriptedPerson()
     found = try_cameras(["fake://broken", "fake://a", "fake://b"], BoardCamera, person)

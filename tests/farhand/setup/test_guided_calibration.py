@@ -47,6 +47,7 @@ def test_what_is_missing_becomes_less_and_is_told_with_each_pair(taken):
     assert guide.missing[-1] == f"{10 - len(kept)} more poses"
 
 
+@pytest.mark.slow
 def test_pairs_of_an_earlier_run_count_and_are_not_taken_again(taken):
     guide, kept, _ = taken
     later, again = Guide(BOARD, NAMES), []

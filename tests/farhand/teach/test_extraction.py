@@ -87,6 +87,7 @@ def numbers(label):
         yield from range(int(first), int(last or first) + 1)
 
 
+@pytest.mark.slow
 def test_the_recordings_gripper_is_kept(tmp_path):
     file = recorded_states(tmp_path).file
     assert extracted(file, tmp_path, None, 2.0, 2.0).task.gripper_at_start == "closed"

@@ -25,6 +25,7 @@ def check(task, cell):
     check_cell(task, way_points_in_base(task), cell)
 
 
+@pytest.mark.slow
 def test_a_task_runs_on_the_robot_and_in_the_workspace_that_it_was_taught_in(cell):
     check(INSIDE, cell)
     with pytest.raises(RefusedError, match="teach it there anew"):

@@ -69,6 +69,7 @@ def test_an_arm_before_a_dark_wall_is_found_by_its_silhouette(folder):
     np.testing.assert_allclose(last["wrist"], swing.arm(FRAMES - 1).wrist, atol=0.030)
 
 
+@pytest.mark.slow
 def test_before_a_bright_wall_the_silhouette_is_not_guessed(folder):
     done = run(
         folder,

@@ -182,6 +182,7 @@ def test_mirrored_pictures_are_told():
     assert not finder.finds_mirrored(picture)
 
 
+@pytest.mark.slow
 def test_one_mirrored_camera_before_a_chessboard_is_refused():
     _, _, (_, right) = rendered(CHESS, 0.0)
     _, _, (views, _) = scene(CHESS, 0.0)

@@ -1,5 +1,7 @@
 """Clicks on the joints: they reach the tracker of one camera, which begins there; other trackers refuse them."""
 
+import pytest
+
 from common.cameras.camera import Frame
 from common.messages.hand import TrackingStatus
 from common.messages.requests import JointsRequest
@@ -36,6 +38,7 @@ def seen(tracker, t_s):
     return tracker.track(views(t_s))
 
 
+@pytest.mark.slow
 def test_tracking_begins_where_the_joints_are_clicked_and_begins_anew_with_every_click():
     tracker = make_tracker(film_camera(), TrackingConfig(method="monocular"))
     assert "click them" in seen(tracker, 0.0).reason

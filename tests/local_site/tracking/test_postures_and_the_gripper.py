@@ -65,6 +65,7 @@ def test_by_landmarks_only_a_hand_with_its_fingers_apart_toggles(seen, monkeypat
     assert toggles(learned(shown, sequence, monkeypatch)) == expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("roll_deg", [-10, 90])
 def test_a_flat_hand_still_shows_no_u_so_that_its_orientation_is_not_copied(roll_deg):
     assert any(estimate.hand_open for estimate in silhouette(film(Shown(FLAT_TOGETHER, roll_deg))))

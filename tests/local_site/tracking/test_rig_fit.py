@@ -40,16 +40,19 @@ def problem_of(sequence: Sequence, *cameras: PinholeCamera) -> str:
     return fit.problem()
 
 
+@pytest.mark.slow
 def test_the_cameras_own_rig_fits(moving: Sequence, turning: Sequence) -> None:
     assert problem_of(moving, *PAIR) == problem_of(turning, *PAIR) == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", ["x", "z"])
 @pytest.mark.parametrize("angle_deg", [2.0, -2.0])
 def test_a_camera_that_is_turned_by_two_degrees_is_told(moving: Sequence, axis: str, angle_deg: float) -> None:
     assert problem_of(moving, PAIR[0], turned(PAIR[1], axis, angle_deg)).endswith(CURE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("other", [stereo_pair(StereoConfig(elevation_deg=20.0)), (PAIR[0], ABOVE), (ASIDE, PAIR[1])])
 def test_the_file_of_another_rig_is_told(moving: Sequence, other: tuple[PinholeCamera, PinholeCamera]) -> None:
     assert problem_of(moving, *other).endswith(CURE)

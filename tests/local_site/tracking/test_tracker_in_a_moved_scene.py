@@ -58,6 +58,7 @@ def test_a_shifted_scene_gives_the_same_arm_shifted(scene, shift):
         assert apart_m(here, there, name, np.eye(3), np.array(shift)) < SHIFTED_M
 
 
+@pytest.mark.slow
 @settings(max_examples=5, deadline=None, derandomize=True)
 @given(st.tuples(turns, turns, turns), st.tuples(metres, metres, metres))
 def test_a_turned_scene_gives_the_same_arm_turned(scene, turn, shift):

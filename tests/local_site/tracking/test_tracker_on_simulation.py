@@ -51,6 +51,7 @@ def test_bodies_of_any_build_are_tracked(body):
         assert 1e3 * np.linalg.norm(errors, axis=1).max() < LARGEST_MM[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", list(MOTION_MM))
 def test_motion_is_followed_more_closely_than_places(name, request):
     sequence = request.getfixturevalue(name)
@@ -95,6 +96,7 @@ def test_one_camera_that_froze_long_ago_is_not_followed():
     assert any(e.status is TrackingStatus.LOST for e in estimates)
 
 
+@pytest.mark.slow
 def test_cameras_out_of_phase_are_brought_to_one_instant():
     late_s, count = 0.5 * PERIOD_S, 24
     together, late = (render_sequence(MOVING, count, late_s=s, since_s=BRISK_S) for s in (0.0, late_s))

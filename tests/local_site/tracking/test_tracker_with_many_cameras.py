@@ -95,6 +95,7 @@ def test_all_but_one_dark_is_lost_and_says_which(surrounded):
     assert "camera 2" in estimate.reason
 
 
+@pytest.mark.slow
 def test_cameras_of_three_phases_are_brought_to_one_instant():
     cameras = (*PAIR, ABOVE)
     together, late = (

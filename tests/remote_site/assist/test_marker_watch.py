@@ -41,6 +41,7 @@ def code(sighting):
     return sighting.refusal.code
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", MarkerFamily)
 def test_two_views_find_a_small_marker_to_half_a_millimetre_and_half_a_degree(family):
     poses = [turned(FACING, turn) for turn in ((0, 0, 0), (20, 0, 40), (-15, 25, -10), (0, -30, 170))]

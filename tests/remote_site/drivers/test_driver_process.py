@@ -215,6 +215,7 @@ def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig,
     assert again._exchange.state.fault in (Fault.WATCHDOG, Fault.UNDERRUN)
 
 
+@pytest.mark.slow
 def test_the_driver_process_told_to_end_leaves_the_arm_at_rest(make_rig, commander):
     rig = make_rig(simulated)
     commander(rig)

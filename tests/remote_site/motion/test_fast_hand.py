@@ -86,6 +86,7 @@ def stopping_at(t: float, stops_s: float) -> JointMotion:
     return JointMotion(way * AXIS, speed * AXIS, -braking * AXIS)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("behind", [0.1, 0.3, 1.0])
 def test_a_joint_that_catches_up_with_a_target_is_never_carried_beyond_where_the_target_stops(behind: float) -> None:
     """Caught up with as quickly as limits allow, a target that stopped at the wrong time was overrun by 0.18 rad."""

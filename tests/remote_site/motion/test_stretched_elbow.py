@@ -73,6 +73,7 @@ def off_the_line(followed: Followed, way: Array) -> Array:
     return off_the_segment(followed.tools[:, :3, 3] - followed.start[:3, 3], np.zeros(3), way)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("short_of_m", [0.0002, 0.003, 0.03])
 def test_a_slow_hand_is_followed_on_its_line_out_to_the_stretched_elbow(short_of_m: float) -> None:
     way = to_full_reach(short_of_m)

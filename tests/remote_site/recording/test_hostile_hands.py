@@ -99,6 +99,7 @@ def kept_after_noise(site: RecordedSite, noise: int) -> tuple[int, list[KeptMess
         return path.stat().st_size, list(reader.messages())
 
 
+@pytest.mark.slow
 def test_noise_of_an_operator_without_the_lease_leaves_a_recording_small_and_whole(tmp_path: Path) -> None:
     quiet, noisy = (began(tmp_path / name) for name in ("quiet", "noisy"))
     (usual, _), (size, messages) = kept_after_noise(quiet, 0), kept_after_noise(noisy, 16)

@@ -233,6 +233,7 @@ def test_files_are_split_and_each_has_all_that_a_reader_needs(tmp_path: Path) ->
     assert [path.name for path in site.files] == [f"20260304T050607Z_{CELL}_{k:03d}.mcap" for k in (1, 2, 3)]
 
 
+@pytest.mark.slow
 def test_no_more_is_kept_than_is_allowed(tmp_path: Path) -> None:
     site = RecordedSite(tmp_path, RecordConfig(split_gb=0.001, keep_gb=0.004))
     site.side_px = 256

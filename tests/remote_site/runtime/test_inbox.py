@@ -76,6 +76,7 @@ def test_a_stop_is_never_displaced_and_comes_first(
     assert (waiting[1].action, waiting[1].seen_ns) == (EngagementAction.ENGAGE, 5)
 
 
+@pytest.mark.slow
 def test_the_offset_in_a_sample_is_led_on_by_what_this_clock_was_slewed_since(links: list[Link]) -> None:
     site, operator, _ = links
     inbox = Inbox(site, CELL, RefusalLog(), ("anna",), read_clocks=lambda: HostTime(10**9, 5_000))

@@ -203,6 +203,7 @@ def moving(loop, speed_z, seconds=1.2):
     return np.array(found)
 
 
+@pytest.mark.slow
 def test_an_arm_that_starts_inside_the_margin_only_retreats():
     loop = inside_the_margin()
     start = loop.distance()

@@ -115,6 +115,7 @@ def test_nothing_but_the_block_touches_the_table(seen):
     assert not seen.table_hit.any()
 
 
+@pytest.mark.slow
 def test_an_off_centre_block_is_taken_too():
     moved = play(BlockConfig(centre_xy_m=(0.547, 0.005)))
     assert moved.block[:, 2].max() - moved.block[0, 2] > 0.035

@@ -62,6 +62,7 @@ def test_after_a_hold_the_tool_goes_at_most_50_mm_a_second_faster_than_the_hand(
     assert_within_limits(run.loop)
 
 
+@pytest.mark.slow
 def test_it_has_caught_up_within_two_seconds() -> None:
     run = engaged_over(cut(0.2), 7.0, slow_circle)
     undisturbed = engaged_over(FarLink(20), 7.0, slow_circle)

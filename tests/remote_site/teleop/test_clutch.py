@@ -146,6 +146,7 @@ def shuffled(loop: RemoteLoop, keys: list[Intent], order: list[int]) -> None:
         loop.tick(*([samples[k]] if k >= 0 else []))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "order",
     [[1, 0], [1, 0, 0], [1, 1, 0], [2, 0, 1], [-1, 1, 0], [2, 1, 0]],

@@ -20,6 +20,7 @@ def down_and_rest(t):
     return pick_and_place(min(t, 1.6))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("config", [A465, SEVEN_AXES], ids=["a465", "seven axes"])
 def test_it_drifts_where_the_relative_command_does_not(config):
     ends_mm = {}

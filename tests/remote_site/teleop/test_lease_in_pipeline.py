@@ -119,6 +119,7 @@ def test_without_clock_offset_nothing_engages():
     assert (answer.done, answer.reason.code) == (False, Code.NO_OFFSET)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ahead", [2, 255, 2**40])
 def test_a_sample_with_a_damaged_number_holds_nothing_up(ahead: int) -> None:
     """It used to make every true sample after it an old one, until the local site was started again."""

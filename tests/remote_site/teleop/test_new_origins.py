@@ -12,6 +12,7 @@ def swaying(t_ns):
     return (0.08 * np.sin(2.5 * t), 0.05 * np.sin(4 * t), 0.3 + 0.06 * np.sin(3 * t))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes",
     [

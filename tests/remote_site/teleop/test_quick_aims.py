@@ -29,6 +29,7 @@ def beyond(config: RemoteConfig, way_m: tuple[float, float, float], seconds: flo
     return float(along.max()) / length - 1.0, float(np.linalg.norm(moved[-1] - way)) / length
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way_m", [(0.1, 0, 0), (0.06, 0.08, 0), (0, 0.1, 0), (0, 0, -0.1), (-0.15, 0, 0)])
 def test_an_aim_of_half_a_second_is_hardly_overshot(way_m: tuple[float, float, float]) -> None:
     """The tool used to go twice as far, and to swing for a second: its joints cannot brake as hard as a hand."""

@@ -166,6 +166,7 @@ def turned(degrees: float) -> dict[str, Point]:
     return {"index": point(0.02, -0.17, 0.0), "thumb": point(-0.05, -0.1, 0.01)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("metres", "degrees"), [(0.045, 0.0), (0.0, 16.0), (0.045, 8.0), (0.02, 16.0)])
 def test_what_is_too_far_is_not_made_up_although_the_hand_went_there_partly_before_the_hold(
     metres: float, degrees: float

@@ -41,6 +41,7 @@ def turned_and_carried(axis: int) -> Array:
     return np.array(off)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_slowed_arm_keeps_to_the_path_while_the_hand_turns(axis: int) -> None:
     off = turned_and_carried(axis)

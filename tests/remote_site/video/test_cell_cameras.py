@@ -43,6 +43,7 @@ def posture(cell, joint_2: float = 0.0):
     return data.qpos.copy()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", VIEWS)
 def test_every_view_sees_the_fingers_and_the_block(cell, renderer, name):
     image = renderer.render(renderer.view_id(name), posture(cell, -0.1)).astype(int)

@@ -36,6 +36,7 @@ def test_the_delay_lies_within_its_uncertainty(camera):
         assert found.uncertainty_ms <= REFRESH_MS / 2 + 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("camera", [{}, {"readout_ms": 25.0}, {"jitter_ms": 4.0}], ids=str)
 def test_a_camera_that_drifts_against_the_screen_tells_the_delay_to_a_millisecond(camera):
     found = estimate_delay(*seen(PATTERN, 52.4, rate_hz=29.97, **camera), PATTERN)

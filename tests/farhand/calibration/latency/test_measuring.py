@@ -60,6 +60,7 @@ def measured(*cameras, screen_ms=None):
     return measure(*watch_screen(cameras, FakeScreen(shown()), lambda: False), screen_ms)
 
 
+@pytest.mark.slow
 def test_each_camera_gets_its_own_latency_less_the_screens():
     cameras = CameraBeforeScreen("left", 60.0), CameraBeforeScreen("right", 72.0, by_driver=True)
     latencies, refused = measured(*cameras, screen_ms=20.0)
@@ -89,6 +90,7 @@ def test_a_screen_slower_than_everything_together_is_refused():
     assert "--screen-ms must be less" in refused[0]
 
 
+@pytest.mark.slow
 def test_only_the_drivers_stamps_may_come_before_the_exposure():
     by_driver, by_arrival = CameraBeforeScreen("left", 10.0, by_driver=True), CameraBeforeScreen("right", 10.0)
     latencies, _ = measured(by_driver, by_arrival)

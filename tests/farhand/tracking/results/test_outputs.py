@@ -45,6 +45,7 @@ def test_a_name_in_capitals_is_a_video_too(tmp_path: Path) -> None:
     TrackOutputs(tmp_path / "track.jsonl", video=tmp_path / "OVERLAY.MP4").check([])
 
 
+@pytest.mark.slow
 def test_without_matplotlib_a_report_names_the_extra_before_any_work(tmp_path: Path) -> None:
     track = ["track", "--rig", "absent.json", "--left", "a", "--right", "b", "--out", str(tmp_path / "track.jsonl")]
     command = [sys.executable, "-c", WITHOUT_MATPLOTLIB, *track, "--report", str(tmp_path / "report")]

@@ -52,6 +52,7 @@ def hands(given_moves: list[Any]) -> list[HandArm]:
     return made
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(
     moves,

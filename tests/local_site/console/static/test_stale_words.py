@@ -17,6 +17,7 @@ def view(name: str, mark: str = "live", age_ms: float | None = 40.0, *, useful: 
 SIDE, TOP = view("side"), view("top")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("views", "words"),
     [

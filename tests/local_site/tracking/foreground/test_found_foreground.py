@@ -65,6 +65,7 @@ def test_the_outline_is_right_within_half_a_pixel() -> None:
         assert np.median(np.abs(outside[y.clip(0, 479), x.clip(0, 639)])) <= 1.0  # a mask's border has no 0
 
 
+@pytest.mark.slow
 def test_something_of_skins_colour_that_was_there_before_is_not_the_arm() -> None:
     arm = DrawnArm()
     rooms = [shelf_room(1), shelf_room(2)]

@@ -28,6 +28,7 @@ def candidate(point):
     return Candidates(point[None], np.zeros((1, 2), dtype=np.int64), np.zeros(1))
 
 
+@pytest.mark.slow
 def test_errors_of_calibrated_cameras_average_what_the_covariance_expects():
     random = np.random.default_rng(8)
     normalised = []

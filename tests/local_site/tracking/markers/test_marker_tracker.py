@@ -43,6 +43,7 @@ def learned():
     return scene
 
 
+@pytest.mark.slow
 def test_the_hand_is_learned_and_then_tracked_with_all_cameras():
     for views in (2, 3, 4):
         scene = Scene(four_cameras()[:views])

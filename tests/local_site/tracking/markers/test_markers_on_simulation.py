@@ -45,6 +45,7 @@ def test_motions_are_followed_within_half_a_millimetre(motion):
     assert np.mean([status is TrackingStatus.TRACKED for status in statuses]) > 0.97
 
 
+@pytest.mark.slow
 def test_every_opening_of_the_hand_is_counted_once():
     _, _, (counted, made) = followed("toggles", 5.2)
     assert counted == made == 3

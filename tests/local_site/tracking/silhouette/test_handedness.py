@@ -28,6 +28,7 @@ def as_they_are(pictures):
     return pictures
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shown", "right_arm"),
     [(exchanged_and_mirrored, True), (as_they_are, False)],

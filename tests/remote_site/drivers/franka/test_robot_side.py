@@ -42,6 +42,7 @@ class Answering(FakeRobot):
         return super().read()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", [Waiting, Answering])
 def test_both_end_while_they_wait(robot: type, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(robot_side, "FrankaRobot", robot)

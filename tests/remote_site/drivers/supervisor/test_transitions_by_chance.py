@@ -12,6 +12,7 @@ from tests.remote_site.drivers.supervisor.supervised import START, Supervised
 from tests.remote_site.drivers.supervisor.transition_table import CASES, PRESSED
 
 
+@pytest.mark.slow
 def test_chance_finds_no_transition_beside_the_table(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[SupervisorState] = []
 

@@ -241,6 +241,7 @@ def test_pictures_that_are_late_for_a_moment_though_all_arrive_are_not_the_links
             assert setting.fps >= 0.6 * FULL.fps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("paints_fps", [8.0, 15.0, 22.0])
 def test_a_page_that_is_too_slow_gets_fewer_pictures_but_good_ones_and_all_again_when_it_is_quick(paints_fps):
     run = StreamRun(CONFIG, pictures(), 100.0)

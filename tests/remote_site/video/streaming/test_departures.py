@@ -69,6 +69,7 @@ def test_a_pause_makes_next_to_no_picture_late(delay_ms: float) -> None:
     assert fps(in_the_end, 2.0) > 29.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay_ms", [0.0, 40.0, 120.0])
 @pytest.mark.parametrize("mbit_s", [2.0, 5.0])
 def test_what_is_held_back_shows_what_the_link_carries(mbit_s: float, delay_ms: float) -> None:

@@ -118,6 +118,7 @@ def test_a_key_frame_that_was_lost_is_sent_again_and_never_more_than_two_a_secon
     assert min(later - first for first, later in zip(keys, keys[2:], strict=False)) >= NS_PER_S
 
 
+@pytest.mark.slow
 def test_whoever_asks_for_key_frames_all_the_time_hardly_makes_the_pictures_worse() -> None:
     def quality_db(*, asked: bool) -> float:
         stream, decoder, found = Stream(), PictureDecoder(), []

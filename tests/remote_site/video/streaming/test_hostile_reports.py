@@ -98,6 +98,7 @@ def hostile_report(chance, now_ns):
     return decode(encode(shown), ViewsShown, 4096)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("h264", [False, True])
 @pytest.mark.parametrize("seed", range(8))
 def test_any_report_that_the_wire_accepts_leaves_settings_that_can_be_used(seed, h264):

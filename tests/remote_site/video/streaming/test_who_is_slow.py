@@ -107,6 +107,7 @@ def test_a_link_that_was_narrow_carries_all_again_within_five_seconds(mbit_s, na
     assert settings(run) == [FULL] * 4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mbit_s", [5.0, 20.0])
 def test_a_narrow_link_is_found_behind_a_busy_host_too(mbit_s):
     run = BusyRun(FREE_MBIT_S, operator=True)

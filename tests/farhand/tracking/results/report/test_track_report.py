@@ -80,6 +80,7 @@ def test_the_toggles_are_those_of_the_last_pair(tmp_path: Path) -> None:
     assert "gripper toggles: 3." in report(tmp_path, [pair(0), toggled]).text
 
 
+@pytest.mark.slow
 def test_a_share_does_not_wrap(reported: tuple[Path, Elements]) -> None:
     text = reported[1].text
     assert "62.5\N{NO-BREAK SPACE}%" in text
@@ -103,6 +104,7 @@ def test_the_page_needs_nothing_from_elsewhere(reported: tuple[Path, Elements]) 
     assert not re.search(r"https?:|//|<script|@import|url\(", (reported[0] / PAGE).read_text())
 
 
+@pytest.mark.slow
 def test_a_loss_is_drawn_where_it_was(reported: tuple[Path, Elements], tmp_path: Path) -> None:
     course = cv2.imread(str(reported[0] / "course.png"))
     assert course is not None

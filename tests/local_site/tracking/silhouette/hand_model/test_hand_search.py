@@ -30,6 +30,7 @@ def searched(views, pose, person=PERSON):
     return search_hand(views, far_end(pose, person), prior, person, Effort(ROLLS, KEPT))
 
 
+@pytest.mark.slow
 def test_hands_of_many_shapes_are_found_from_nothing():
     random, index, thumb, turn_deg = np.random.default_rng(0), [], [], []
     for _ in range(HANDS):
