@@ -30,3 +30,9 @@ test("poses are kept for three seconds, and one that comes again or late is not 
   assert.equal(made.at(1500), null);
   assert.equal(made.at(2000)?.t_ms, 2000);
 });
+
+test("after poses of another clock, far in the past, the path begins again", () => {
+  const made = path(50_000, 50_050, 1000, 1050);
+  assert.equal(made.at(1000)?.t_ms, 1000);
+  assert.equal(made.at(50_050), null);
+});

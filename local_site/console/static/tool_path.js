@@ -8,11 +8,13 @@ export class ToolPath {
   /** @type {TimedPose[]} */
   #poses = [];
 
-  /** Add a measured pose with its time in ms; the same one again is not kept twice.
+  /** Add a measured pose with its time in ms; the same one again is not kept twice. One that is older than all that
+   * is kept has been told by another clock, as after a restart: the path begins again with it.
    * @type {(tool: TimedPose) => void} */
   add(tool) {
     const last = this.#poses.at(-1);
-    if (last !== undefined && last.t_ms >= tool.t_ms) return;
+    if (last !== undefined && last.t_ms - KEPT_MS > tool.t_ms) this.#poses = [];
+    else if (last !== undefined && last.t_ms >= tool.t_ms) return;
     this.#poses.push(tool);
     while (this.#poses[0].t_ms < tool.t_ms - KEPT_MS) this.#poses.shift();
   }
