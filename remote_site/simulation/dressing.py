@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 
 from common.cameras.camera import Image
+from common.errors import ModelError
 from common.geometry import Array
 from remote_site.simulation.config import SceneConfig
 from remote_site.simulation.scenery import ROOM_GROUP, TABLE_THICKNESS_M
@@ -86,7 +87,7 @@ def _table(scene: SceneConfig) -> Iterator[tuple[str, Rectangle]]:
 def _picture(name: str) -> Image:
     picture = cv2.imread(str(PICTURES / f"{name}.jpg"), cv2.IMREAD_COLOR_BGR)
     if picture is None:
-        raise FileNotFoundError(f"{PICTURES / name}.jpg is missing or damaged; install Farhand again")
+        raise ModelError(f"{PICTURES / name}.jpg is missing or damaged; install Farhand again")
     return np.asarray(picture, dtype=np.uint8)
 
 

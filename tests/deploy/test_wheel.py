@@ -71,6 +71,12 @@ def test_it_brings_its_configurations_and_units(installed: Path, tmp_path: Path)
     assert written == shipped_names | {f"{name}.json" for name in ("local", "remote", "console", "router")}
 
 
+def test_it_brings_the_pictures_of_the_cell(installed: Path, tmp_path: Path) -> None:
+    shown = "from remote_site.simulation.dressing import PICTURES; print(*(each.name for each in PICTURES.iterdir()))"
+    names = run(installed / "python", "-c", shown, folder=tmp_path).split()
+    assert set(names) == {path.name for path in (PROJECT / "remote_site/simulation/pictures").iterdir()}
+
+
 def test_it_brings_the_template_of_drivers(installed: Path, tmp_path: Path) -> None:
     run(installed / "farhand", "driver", "new", "my_arm", folder=tmp_path)
     template = PROJECT / "farhand/new_driver/template"
