@@ -35,7 +35,7 @@ def arm_albedo(mesh: ArmMesh, tone: Tone, sleeve_srgb: tuple[int, int, int], see
         if name.startswith("finger") and not name.endswith("1"):
             near = np.exp(-np.sum((rest - head) ** 2, axis=1) / 0.009**2)
             colour *= 1.0 + 0.8 * near[:, None] * (KNUCKLE_TOWARDS - 1.0)
-    colour *= 1.0 + (_nails(mesh, rest, outward, weights)[:, None]) * (NAIL_TOWARDS * 1.15 - 1.0)
+    colour *= 1.0 + (nail_share(mesh, rest, outward, weights)[:, None]) * (NAIL_TOWARDS * 1.15 - 1.0)
     colour *= 1.0 + MOTTLE * random.standard_normal((len(rest), 1)) * (0.6, 1.0, 1.0)
     colour[along_upper_arm(mesh, rest) < SLEEVE_SHARE] = linear(np.array(sleeve_srgb))
     return colour[:, ::-1].copy()
@@ -48,7 +48,7 @@ def along_upper_arm(mesh: ArmMesh, rest: Array) -> Array:
     return np.minimum(along, 1.0)
 
 
-def _nails(mesh: ArmMesh, rest: Array, outward: Array, weights: Array) -> Array:
+def nail_share(mesh: ArmMesh, rest: Array, outward: Array, weights: Array) -> Array:
     """Compute how much each vertex (F,) is nail: on the back of the last phalanges, towards their end."""
     nails, dorsal = np.zeros(len(rest)), mesh.hand_at_rest()[:, 2]
     for digit in range(1, 6):
