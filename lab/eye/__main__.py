@@ -22,21 +22,22 @@ FOLDER = Path("build/eye")
 WIDTHS, FINDER_WIDTH = {"arm": 16, "hand": 20}, 12
 BODIES, HELD_OUT_BODIES = 2000, 60
 LEARNING_SEED, JUDGING_SEED = 1, 1_000_001
-JUDGED_BATCHES = 24
+JUDGED_BATCHES = 12
 
 
 def main() -> None:
     """Read the command line and do what it asks."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")  # of the processes that draw poses: there is one for each core
     parser = argparse.ArgumentParser(prog="python -m lab.eye", description=__doc__)
     parser.add_argument("command", choices=["draw", "train", "judge"])
     parser.add_argument("kind", choices=["arm", "hand", "finder"], nargs="?", default="arm")
     parser.add_argument("--hours", type=float, default=3.0, help="how long to train, what was trained before included")
     parser.add_argument("--folder", type=Path, default=FOLDER)
     parser.add_argument("--bodies", type=int, default=BODIES, help="how many bodies are drawn, each in 100 postures")
-    parser.add_argument("--batch", type=int, default=0, help="pictures at a time; by default 256 on an accelerator, else 24")
+    parser.add_argument("--batch", type=int, default=0, help="pictures at a time; by default 128 on an accelerator, else 24")
     arguments = parser.parse_args()
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    arguments.batch = arguments.batch or (256 if device.type == "cuda" else 24)
+    arguments.batch = arguments.batch or (128 if device.type == "cuda" else 24)
     poses = _poses(arguments.folder, arguments.bodies, LEARNING_SEED)
     torch.manual_seed(LEARNING_SEED)
     if arguments.command == "draw":

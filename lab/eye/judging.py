@@ -51,7 +51,7 @@ def judge(network: EyeNetwork, source: SampleSource, kind: CropKind, batches: in
     off, sure, asked, seen, tone, wrong, parts = [], [], [], [], [], [], []
     for _ in range(batches):
         sample = source.batch(size)
-        logits, points, whole = network(sample.picture)
+        logits, points, whole, _ = network(sample.picture)
         off.append(points[..., :2] - sample.points[..., :2])
         sure.append(points[..., 2:5])
         asked.append(sample.asked)

@@ -12,6 +12,7 @@ from lab.eye.pictures.samples import Sample
 FREEDOM = 4.0  # of Student's distribution: some errors are far beyond what most are
 SHARPEST = 7.0  # the logarithm of the greatest whitening: a deviation of 1/1000 of the crop
 POINT_WEIGHT, SURE_WEIGHT, DEPTH_WEIGHT = 20.0, 0.1, 4.0
+HEAT_WEIGHT, HEAT_SPREAD = 0.3, 1.0 / 48.0  # about a point, in shares of the crop: one cell
 DICE_WEIGHT, SEEN_WEIGHT, WHOLE_WEIGHT = 0.5, 0.3, 0.3
 HIDDEN_WEIGHT = 0.35  # of a point that is hidden, against one that is seen
 
@@ -30,6 +31,7 @@ def eye_losses(network: EyeNetwork, sample: Sample) -> dict[str, Tensor]:
     return {
         "parts": _cross_entropy(parts, sample.parts) + DICE_WEIGHT * _dice(parts, sample.parts),
         "points": POINT_WEIGHT * (off.abs().sum(dim=2) * weight).sum() / count,
+        "heat": HEAT_WEIGHT * (_heat_loss(answer[3], sample.points[..., :2], network.grid) * weight).sum() / count,
         "sure": (unsure * weight).sum() / count + SEEN_WEIGHT * seen,
         "depth": (depth * weight).sum() / count,
         "whole": WHOLE_WEIGHT * _whole_loss(whole, sample),
@@ -53,6 +55,13 @@ def _surprise(off: Tensor, whitening: Tensor) -> Tensor:
 def _depth_surprise(off: Tensor, log_deviation: Tensor) -> Tensor:
     bounded = log_deviation.clamp(-SHARPEST, 1.0)
     return 0.5 * (FREEDOM + 1.0) * torch.log1p((off * torch.exp(-bounded)).square() / FREEDOM) + bounded
+
+
+def _heat_loss(heat: Tensor, points: Tensor, grid: Tensor) -> Tensor:
+    """The cross entropy (B, 22) of each point's heat, against what lies narrowly about the point."""
+    square = ((grid - points[:, :, None]) ** 2).sum(dim=3)
+    target = torch.softmax(-0.5 * square / HEAT_SPREAD**2, dim=2)
+    return -(target * log_softmax(heat, dim=2)).sum(dim=2)
 
 
 def _cross_entropy(logits: Tensor, shares: Tensor) -> Tensor:

@@ -42,8 +42,9 @@ class EyeNetwork(nn.Module):
     """Looks at the crop of an arm or of a hand.
 
     Takes pictures (B, 3, 192, 192), RGB from -1 to 1. Gives the parts' logits (B, 5, 96, 96); of each point x, y,
-    whitening (3), depth, the depth's log deviation, and the logit of being seen (B, 22, 8); and logits (B, 2) of a bare
-    hand and of a right one. All lengths are shares of the crop's width.
+    whitening (3), depth, the depth's log deviation, and the logit of being seen (B, 22, 8); logits (B, 2) of a bare hand
+    and of a right one; and, to learn by, the heat of each point (B, 22, 2304), in logits. All lengths are shares of the
+    crop's width.
     """
 
     def __init__(self, width: int) -> None:
@@ -57,14 +58,15 @@ class EyeNetwork(nn.Module):
         grid = torch.stack(torch.meshgrid(at, at, indexing="xy"), dim=-1)
         self.register_buffer("grid", grid.reshape(-1, 2), persistent=False)
 
-    def forward(self, picture: Tensor) -> tuple[Tensor, Tensor, Tensor]:
+    def forward(self, picture: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
         """Look at pictures."""
         fine, coarse, whole = self.trunk(picture)
-        return self.parts(fine), self._points(coarse), self.whole(whole)
+        heat = self.heat(coarse).flatten(2).float()
+        return self.parts(fine), self._points(coarse, heat), self.whole(whole), heat
 
-    def _points(self, features: Tensor) -> Tensor:
+    def _points(self, features: Tensor, heat: Tensor) -> Tensor:
         """Where each point is by the mean of its heat, and its other values where the heat is."""
-        share = torch.softmax(self.heat(features).flatten(2).float(), dim=2)  # (B, 22, 2304)
+        share = torch.softmax(heat, dim=2)
         detail = self.detail(features).float().unflatten(1, (POINTS, OF_A_POINT)).flatten(3)  # (B, 22, 6, 2304)
         return torch.cat([share @ self.grid, (detail @ share[..., None])[..., 0]], dim=2)
 

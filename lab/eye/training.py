@@ -12,13 +12,14 @@ from typing import Any, Generic, TypeVar
 import torch
 from torch import Tensor, nn
 
-RATE, DECAY = 2.5e-3, 0.01
+RATE, DECAY = 2e-3, 0.01
+TRAINED_RATE = 5e-4  # of a network that was trained before
 WARM_UP = 0.02  # of the time, in which the rate rises
 REMEMBERED = 0.999  # of the averaged weights, at each step
 Network = TypeVar("Network", bound=nn.Module)
 Batch = TypeVar("Batch")
 
-SAVED_EVERY_S, TOLD_EVERY = 60.0, 50
+SAVED_EVERY_S, TOLD_EVERY = 60.0, 20
 
 
 @dataclass(slots=True)
@@ -48,10 +49,13 @@ class Training(Generic[Network, Batch]):
         self._batch, self._losses = batch, losses
         self._device = device
         self._optimiser = torch.optim.AdamW(self.network.parameters(), RATE, weight_decay=DECAY)
-        self._checkpoint = checkpoint
+        self._rate = RATE
+        self._checkpoint, self._weights = checkpoint, checkpoint.with_suffix(".weights.pt")
         checkpoint.parent.mkdir(parents=True, exist_ok=True)
         if self._checkpoint.exists():
             self._resume()
+        elif self._weights.exists():
+            self._begin_with_weights()
 
     def run(self, seconds: float, batch: int) -> None:
         """Train until the time is over, what was trained before included; a checkpoint is kept every minute."""
@@ -78,9 +82,8 @@ class Training(Generic[Network, Batch]):
             "optimiser": self._optimiser.state_dict(),
             "progress": asdict(self.progress),
         }
-        part = self._checkpoint.with_suffix(".part")
-        torch.save(content, part)
-        part.replace(self._checkpoint)
+        _written(content, self._checkpoint)
+        _written({name: content[name] for name in ("averaged", "progress")}, self._weights)
 
     def _resume(self) -> None:
         content: dict[str, Any] = torch.load(self._checkpoint, map_location=self._device, weights_only=True)
@@ -89,16 +92,24 @@ class Training(Generic[Network, Batch]):
         self._optimiser.load_state_dict(content["optimiser"])
         self.progress = Progress(**content["progress"])
 
+    def _begin_with_weights(self) -> None:
+        """Go on from a network that was trained elsewhere."""
+        content: dict[str, Any] = torch.load(self._weights, map_location=self._device, weights_only=True)
+        self.network.load_state_dict(content["averaged"])
+        self.averaged.load_state_dict(content["averaged"])
+        self._rate = TRAINED_RATE
+
     def _step(self, sample: Batch, done: float) -> dict[str, Tensor]:
         for group in self._optimiser.param_groups:
-            group["lr"] = RATE * min(done / WARM_UP + 0.01, 0.5 + 0.5 * math.cos(math.pi * min(done, 1.0)))
+            group["lr"] = self._rate * min(done / WARM_UP + 0.01, 0.5 + 0.5 * math.cos(math.pi * min(done, 1.0)))
         self.network.train()
         with torch.autocast(self._device.type, torch.bfloat16, enabled=self._device.type == "cuda"):
             told = self._losses(self.network, sample)
         self._optimiser.zero_grad(set_to_none=True)
         sum(told.values(), torch.zeros((), device=self._device)).backward()
-        nn.utils.clip_grad_norm_(self.network.parameters(), 5.0)
-        self._optimiser.step()
+        norm = nn.utils.clip_grad_norm_(self.network.parameters(), 5.0)
+        if torch.isfinite(norm):  # a step that is not a number would spoil all that was learned
+            self._optimiser.step()
         self._average()
         return {name: loss.detach() for name, loss in told.items()}
 
@@ -111,6 +122,12 @@ class Training(Generic[Network, Batch]):
                 kept.lerp_(new.to(kept.dtype), share)
             else:
                 kept.copy_(new)
+
+
+def _written(content: dict[str, Any], path: Path) -> None:
+    part = path.with_suffix(".part")
+    torch.save(content, part)
+    part.replace(path)
 
 
 def _numbers(told: dict[str, Tensor]) -> dict[str, float]:

@@ -3,6 +3,7 @@
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, fields
 from io import BytesIO
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -43,7 +44,7 @@ class PoseStore:
 def draw_poses(bodies: int, seed: int, processes: int) -> PoseStore:
     """Draw this many bodies, each in 100 postures; the same for the same seed, by however many processes."""
     seeds = np.random.SeedSequence(seed).spawn(bodies)
-    with ProcessPoolExecutor(processes) as pool:
+    with ProcessPoolExecutor(processes, get_context("spawn")) as pool:
         drawn = list(pool.map(_one_body, seeds, chunksize=4))
     return PoseStore(
         vertices=np.array([vertices for vertices, *_ in drawn]),

@@ -13,6 +13,7 @@ from lab.films.arm.arm_mesh import load_arm_mesh
 NOTHING = (1 << 62) - 1
 DEPTH_STEPS = 1 << 30
 FARTHEST_M = 8.0
+UNUSED_CELLS = 65536  # for points that no pixel shows: in one cell they would wait for each other
 HOLE_PX, HOLE_DEPTH_M = 2, 0.008
 
 
@@ -83,10 +84,10 @@ class SkinRenderer:
         depth = (at[..., 2] * (DEPTH_STEPS / FARTHEST_M)).long()
         number = torch.arange(at.shape[1], device=at.device)
         key = torch.where(kept, (depth << 32) | number, NOTHING)
-        cell = torch.where(kept, row * size + column, 0)
-        pixels = torch.full((len(at), size * size), NOTHING, dtype=torch.int64, device=at.device)
-        pixels.scatter_reduce_(1, cell, key, "amin")
-        pixels = _filled(pixels.unflatten(1, (size, size)))
+        cell = torch.where(kept, row * size + column, size * size + number % UNUSED_CELLS)
+        cells = torch.full((len(at), size * size + UNUSED_CELLS), NOTHING, dtype=torch.int64, device=at.device)
+        cells.scatter_reduce_(1, cell, key, "amin")
+        pixels = _filled(cells[:, : size * size].unflatten(1, (size, size)))
         empty = pixels == NOTHING
         point = torch.where(empty, -1, pixels & 0xFFFFFFFF)
         return SkinRaster(point, torch.where(empty, FARTHEST_M, (pixels >> 32) * (FARTHEST_M / DEPTH_STEPS)))

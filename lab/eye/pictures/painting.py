@@ -1,6 +1,6 @@
 """Drawn arms as layers: colour, coverage, parts and points of a batch, ready to be laid over a room."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import torch
 from torch import Tensor
@@ -38,6 +38,11 @@ class ArmLayer:
     bare: Tensor
     tone: Tensor
     metres: Tensor
+
+    def repeated(self, times: int) -> "ArmLayer":
+        """Repeat the whole batch, so that each arm can be laid over several rooms."""
+        parts = (getattr(self, field.name) for field in fields(self))
+        return ArmLayer(*(part.repeat(times, *(1,) * (part.ndim - 1)) for part in parts))
 
     @property
     def coverage(self) -> Tensor:

@@ -9,11 +9,12 @@ from torch.nn.functional import grid_sample, interpolate
 from lab.eye.pictures.backgrounds import Rooms, random_windows
 from lab.eye.pictures.painting import OTHER, ArmLayer
 from lab.eye.pictures.random_tensors import Draw
-from lab.eye.pictures.sensor import blurred
+from lab.eye.pictures.sensor import blurred, moved
 
 ANOTHER_BEHIND, ANOTHER_BEFORE = 0.35, 0.06
 BODY, THING_BEHIND, THING_BEFORE = 0.45, 0.35, 0.18
 SHADOW = 0.4
+MOVING, MOVING_PX = 0.25, 7.0
 EMPTY = 0.06  # scenes without the arm: rooms, others and things alone
 
 
@@ -42,9 +43,9 @@ def composed(layer: ArmLayer, rooms: Rooms, draw: Draw) -> ArmScene:
     colour = over(colour, *_another(layer, ANOTHER_BEHIND, 1, draw))
     kept = ~draw.chance(EMPTY)
     there = kept.float()[:, None, None, None]
-    coverage = layer.coverage * there
-    colour = colour * (1.0 - _shadow(coverage, draw))
-    colour = over(colour, layer.colour * there, coverage)
+    arm, coverage = _in_motion(layer, draw)
+    colour = colour * (1.0 - _shadow(coverage * there, draw))
+    colour = over(colour, arm * there, coverage * there)
     front, hidden = something(rooms, (0.08, 0.5), THING_BEFORE, size, draw)
     person, person_hides = _another(layer, ANOTHER_BEFORE, 2, draw)
     colour = over(over(colour, front, hidden), person, person_hides)
@@ -57,6 +58,13 @@ def composed(layer: ArmLayer, rooms: Rooms, draw: Draw) -> ArmScene:
 def over(under: Tensor, colour: Tensor, coverage: Tensor) -> Tensor:
     """Lay a colour that is already multiplied by its coverage over another."""
     return under * (1.0 - coverage) + colour
+
+
+def _in_motion(layer: ArmLayer, draw: Draw) -> tuple[Tensor, Tensor]:
+    """The arms' colour and coverage, some blurred by their motion."""
+    both = torch.cat([layer.colour, layer.coverage], dim=1)
+    both = torch.where(draw.chance(MOVING, 1, 1, 1), moved(both, draw, MOVING_PX), both)
+    return both[:, :3], both[:, 3:]
 
 
 def _another(layer: ArmLayer, share: float, shift: int, draw: Draw) -> tuple[Tensor, Tensor]:

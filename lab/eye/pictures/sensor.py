@@ -8,7 +8,8 @@ from torch.nn.functional import conv2d, grid_sample, interpolate, pad
 
 from lab.eye.pictures.random_tensors import Draw
 
-GREY, COMPRESSED, MOVED, BORDERED = 0.12, 0.6, 0.35, 0.15
+GREY, COMPRESSED, SHAKEN, BORDERED = 0.12, 0.6, 0.2, 0.15
+SHAKEN_PX = 3.0
 COARSEST = 0.22  # of the crop's pixels, those that a far hand has in the picture
 FARTHEST_BLUR_PX = 2.2
 BLUR_RADIUS = 9
@@ -28,7 +29,7 @@ _CHROMINANCE = """
 def filmed(colour: Tensor, draw: Draw) -> Tensor:
     """Film scenes (B, 3, S, S), linear RGB: pictures (B, 3, S, S), sRGB from 0 to 1."""
     light = _exposed(colour, draw)
-    light = torch.where(draw.chance(MOVED, 1, 1, 1), _moved(light, draw), light)
+    light = torch.where(draw.chance(SHAKEN, 1, 1, 1), moved(light, draw, SHAKEN_PX), light)
     light = blurred(light, draw.uniform(0.0, 1.0) ** 2 * FARTHEST_BLUR_PX)
     light = _with_few_pixels(light, draw)
     picture = _encoded(_noisy(light.clamp(0.0, 1.0), draw), draw)
@@ -58,6 +59,18 @@ def blurred(picture: Tensor, sigma: Tensor) -> Tensor:
     return flat.reshape(picture.shape)
 
 
+def moved(light: Tensor, draw: Draw, most_px: float) -> Tensor:
+    """Average pictures (B, C, S, S) along a short way, each its own, as of what moves while a camera exposes."""
+    size = light.shape[2]
+    at = torch.linspace(-1.0, 1.0, size, device=light.device)
+    grid = torch.stack(torch.meshgrid(at, at, indexing="xy"), dim=2)[None]
+    way = draw.normal(1, 1, 2) * draw.uniform(0.0, most_px, 1, 1, 1) * 2.0 / size
+    total = torch.zeros_like(light)
+    for share in torch.linspace(-1.0, 1.0, MOTION_STEPS).tolist():
+        total = total + grid_sample(light, grid + share * way, padding_mode="border", align_corners=True)
+    return total / MOTION_STEPS
+
+
 def compressed(picture: Tensor, quality: Tensor) -> Tensor:
     """Compress pictures (B, 3, S, S), 0 to 1, as JPEG does at a quality (B,) from 1 to 100, colours at half the size."""
     y, cb, cr = _to_ycbcr(255.0 * picture)
@@ -76,18 +89,6 @@ def _exposed(colour: Tensor, draw: Draw) -> Tensor:
     at = torch.linspace(-1.0, 1.0, colour.shape[2], device=colour.device)
     tilt = draw.uniform(-0.3, 0.3, 2, 1, 1)
     return colour * gain * (1.0 + tilt[:, :1] * at[None, None, None, :] + tilt[:, 1:] * at[None, None, :, None])
-
-
-def _moved(light: Tensor, draw: Draw) -> Tensor:
-    """The mean of the picture along a short way."""
-    size = light.shape[2]
-    at = torch.linspace(-1.0, 1.0, size, device=light.device)
-    grid = torch.stack(torch.meshgrid(at, at, indexing="xy"), dim=2)[None]
-    way = draw.normal(1, 1, 2) * draw.uniform(0.0, 4.5, 1, 1, 1) * 2.0 / size
-    total = torch.zeros_like(light)
-    for share in torch.linspace(-1.0, 1.0, MOTION_STEPS).tolist():
-        total = total + grid_sample(light, grid + share * way, padding_mode="border", align_corners=True)
-    return total / MOTION_STEPS
 
 
 def _with_few_pixels(light: Tensor, draw: Draw) -> Tensor:
