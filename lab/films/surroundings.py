@@ -13,13 +13,13 @@ from common.geometry import Array
 from lab.films.arm.arm_mesh import load_arm_mesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.person import ColouredSurface, FilmedPerson
-from lab.films.arm.skin import Tone
 from lab.films.picture.light import Lighting, lit
 from lab.films.picture.rendering import FilmLayer, Picture, lay, rendered
 from lab.films.picture.rigs import Size
 from lab.films.room.backdrop import SeenRoom
 from lab.films.room.rooms import RoomName, furnished
 from local_site.calibration.physical_camera import PhysicalCamera
+from local_site.simulation.room.config import SkinName
 from local_site.tracking.tracker import View, Views
 
 SECOND_AT = np.array([-0.05, 0.75, 0.05])
@@ -62,7 +62,7 @@ class Surroundings:
     """A setting before cameras whose pictures are of one size (width, height)."""
 
     def __init__(
-        self, setting: FilmSetting, cameras: Sequence[PhysicalCamera], size: Size, tone: Tone, seed: int
+        self, setting: FilmSetting, cameras: Sequence[PhysicalCamera], size: Size, tone: SkinName, seed: int
     ) -> None:
         """`tone` and `seed` make the second person, who shows the left arm."""
         self._setting, self._cameras, self._size = setting, cameras, size
@@ -101,7 +101,7 @@ class Surroundings:
         return Views(t_ns, tuple(View(frame) for frame in frames))
 
 
-def _second(tone: Tone, seed: int) -> FilmedPerson:
+def _second(tone: SkinName, seed: int) -> FilmedPerson:
     mesh = load_arm_mesh("muscular")
     motion = ArmMotion("toggle", mesh.upper_arm_m, mesh.forearm_m, np.radians(20.0), seed)
     return FilmedPerson(mesh, motion, "u_shape", tone, SKIN_SHIRT, right=False, offset=SECOND_AT, seed=seed)
