@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from lab.films.picture.rigs import film_cameras
-from lab.films.room.backdrop import SeenRoom
 from lab.films.room.rooms import DESK, DESK_SHAPE, WALL, WALL_SHAPE, FurnishedRoom, RoomName, furnished
+from lab.films.surroundings import SeenRoom
 
 SIZE = (320, 240)
 RED, GREEN = (0, 0, 255), (0, 255, 0)
