@@ -7,7 +7,7 @@ export PYTHONDONTWRITEBYTECODE :=  # every process would compile all modules aga
 READERS := build/dataset-readers
 TYPESCRIPT := node_modules/ready
 
-.PHONY: loopback learned franka arms dataset-readers test test-lab long faults check check-page bench fuzz results
+.PHONY: loopback learned franka arms eye dataset-readers test test-lab long faults check check-page bench fuzz results
 
 loopback: $(READY)  ## both sites on this machine, with a simulated operator and a simulated cell
 	@$(BIN)/farhand loopback $(ARGS)
@@ -23,6 +23,9 @@ franka: $(READY)  ## the client of the FR3 and a simulator that speaks its proto
 
 arms: $(READY)  ## files of several makers' arms, as they publish them, for the tests of the import
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[arms]'
+
+eye: $(READY)  ## what the eye's networks are trained with, which the other commands do without
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable './lab[eye]'
 
 dataset-readers: $(READERS)/ready  ## programs of others that read exported datasets, in an environment of their own, for the tests
 

@@ -34,7 +34,7 @@ def main() -> None:
     parser.add_argument("--hours", type=float, default=3.0, help="how long to train, what was trained before included")
     parser.add_argument("--folder", type=Path, default=FOLDER)
     parser.add_argument("--bodies", type=int, default=BODIES, help="how many bodies are drawn, each in 100 postures")
-    parser.add_argument("--batch", type=int, default=0, help="pictures at a time; by default 128 on an accelerator, else 24")
+    parser.add_argument("--batch", type=int, default=0, help="pictures at a time; 128 on an accelerator, else 24")
     arguments = parser.parse_args()
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     arguments.batch = arguments.batch or (128 if device.type == "cuda" else 24)

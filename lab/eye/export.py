@@ -12,7 +12,7 @@ from onnxruntime.quantization.shape_inference import quant_pre_process
 from torch import Tensor, nn
 
 PICTURE = "picture"
-OPSET = 17
+OPSET = 18
 
 
 class SeeingNetwork(nn.Module):
@@ -34,13 +34,20 @@ def export_network(network: nn.Module, size: tuple[int, int], outputs: list[str]
     seeing = SeeingNetwork(network, len(outputs)).eval()
     example = torch.zeros(1, 3, *size)
     torch.onnx.export(
-        seeing, (example,), str(path), input_names=[PICTURE], output_names=outputs, opset_version=OPSET, dynamo=False
+        seeing,
+        (example,),
+        str(path),
+        input_names=[PICTURE],
+        output_names=outputs,
+        opset_version=OPSET,
+        dynamo=True,
+        external_data=False,
     )
     onnx.checker.check_model(onnx.load(str(path)))
 
 
 def quantise(whole: Path, pictures: list[NDArray[np.float32]], path: Path) -> None:
-    """Write a network with 8 bits, its ranges taken from pictures (1, 3, H, W), each channel's weights by themselves."""
+    """Write a network of 8 bits, each channel with its own scale, its ranges taken from pictures (1, 3, H, W)."""
     with TemporaryDirectory() as folder:
         prepared = Path(folder) / "prepared.onnx"
         quant_pre_process(str(whole), str(prepared), skip_symbolic_shape=True)
@@ -57,7 +64,7 @@ def quantise(whole: Path, pictures: list[NDArray[np.float32]], path: Path) -> No
         )
 
 
-class _Pictures(CalibrationDataReader):  # type: ignore[misc]
+class _Pictures(CalibrationDataReader):
     def __init__(self, pictures: list[NDArray[np.float32]]) -> None:
         self._pictures = iter(pictures)
 

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import asdict, dataclass
+from typing import NamedTuple
 
 import torch
 from torch import Tensor
@@ -21,7 +22,7 @@ CHI2_95 = 5.991  # of two degrees of freedom
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """What was measured over held-out samples; lengths in mm at the wrist's depth, points as the store of poses has them.
+    """What was measured over held-out samples; lengths in mm at the wrist's depth, points in the order of the poses.
 
     `tone_error_mm` is of groups of tones from the palest to the darkest, over all points that are seen, `tone_overlap`
     the overlap of all parts. `scale_95` is by how much a point's covariance, in deviations, must grow so that 95 % lie
@@ -48,32 +49,38 @@ class Judgement:
 def judge(network: EyeNetwork, source: SampleSource, kind: CropKind, batches: int, size: int) -> Judgement:
     """Measure a network on new samples of a source."""
     network.eval()
-    off, sure, asked, seen, tone, wrong, parts = [], [], [], [], [], [], []
-    for _ in range(batches):
-        sample = source.batch(size)
-        logits, points, whole, _ = network(sample.picture)
-        off.append(points[..., :2] - sample.points[..., :2])
-        sure.append(points[..., 2:5])
-        asked.append(sample.asked)
-        seen.append(sample.seen & sample.asked)
-        tone.append(sample.tone)
-        wrong.append(_wrong(whole, sample))
-        parts.append(_overlaps(logits, sample.parts))
-    return _judged(
-        kind, *(torch.cat(part) for part in (off, sure, asked, seen, tone)), torch.stack(wrong).mean(0), torch.cat(parts)
+    seen = [_looked(network, source.batch(size)) for _ in range(batches)]
+    return _judged(kind, _Looked(*(torch.cat(part) for part in zip(*seen, strict=True))))
+
+
+class _Looked(NamedTuple):
+    """Of N samples: errors (N, 22, 2), whitening (N, 22, 3), which points were asked for and seen (N, 22), tone (N,),
+    overlaps of the parts (N, 4), whether the answers of bare and of right hands were wrong (N, 2), NaN if not asked."""
+
+    off: Tensor
+    sure: Tensor
+    asked: Tensor
+    seen: Tensor
+    tone: Tensor
+    overlaps: Tensor
+    wrong: Tensor
+
+
+def _looked(network: EyeNetwork, sample: Sample) -> _Looked:
+    parts, points, whole, _ = network(sample.picture)
+    return _Looked(
+        off=points[..., :2] - sample.points[..., :2],
+        sure=points[..., 2:5],
+        asked=sample.asked,
+        seen=sample.seen & sample.asked,
+        tone=sample.tone,
+        overlaps=_overlaps(parts, sample.parts),
+        wrong=_wrong(whole, sample),
     )
 
 
-def _judged(
-    kind: CropKind,
-    off: Tensor,
-    sure: Tensor,
-    asked: Tensor,
-    seen: Tensor,
-    tone: Tensor,
-    wrong: Tensor,
-    overlaps: Tensor,
-) -> Judgement:
+def _judged(kind: CropKind, looked: _Looked) -> Judgement:
+    off, sure, asked, seen, tone, overlaps, wrong = looked
     error = 1e3 * CROP_M[kind] * off.norm(dim=2)
     square = whitened(off, sure).square().sum(dim=2)
     group = (tone / (TONES - 1.0) * TONE_GROUPS).long().clamp_max(TONE_GROUPS - 1)
@@ -87,16 +94,15 @@ def _judged(
         overlap=[_number(value) for value in overlaps.nanmean(dim=0)],
         tone_error_mm=[_number(error[g][seen[g]].mean()) for g in groups],
         tone_overlap=[_number(overlaps[g].nanmean()) for g in groups],
-        bare_wrong=_number(wrong[0]),
-        side_wrong=_number(wrong[1]),
+        bare_wrong=_number(wrong[:, 0].mean()),
+        side_wrong=_number(wrong[:, 1].nanmean()),
     )
 
 
 def _wrong(whole: Tensor, sample: Sample) -> Tensor:
-    """The shares of wrong answers (2,): is a bare hand there, and is it a right one."""
-    bare = ((whole[:, 0] > 0.0) != sample.bare).float().mean()
-    side = ((whole[:, 1] > 0.0) != sample.right)[sample.bare].float().mean()
-    return torch.stack([bare, side])
+    """Whether the answers (B, 2) are wrong: is a bare hand there, and is it a right one."""
+    bare, side = (whole[:, 0] > 0.0) != sample.bare, (whole[:, 1] > 0.0) != sample.right
+    return torch.stack([bare.float(), torch.where(sample.bare, side.float(), torch.nan)], dim=1)
 
 
 def _overlaps(logits: Tensor, shares: Tensor) -> Tensor:

@@ -80,8 +80,14 @@ def _of_hands(answer: Tensor, sample: FinderSample) -> Tensor:
         cell = torch.where(near[mine], off, torch.inf).flatten().argmin()
         told = answer[b, :, cell // answer.shape[3], cell % answer.shape[3]]
         cosine = torch.nn.functional.cosine_similarity(told[4:6], sample.direction[b, k], dim=0)
-        errors = [100.0 * off.flatten()[cell], torch.rad2deg(torch.arccos(cosine.clamp(-1, 1))), (told[6] - sample.size[b, k]).abs()]
-        rows.append(torch.stack([near[mine].any().float(), (near[1 - mine].any() & ~near[mine].any()).float(), *errors]))
+        errors = [
+            100.0 * off.flatten()[cell],
+            torch.rad2deg(torch.arccos(cosine.clamp(-1, 1))),
+            (told[6] - sample.size[b, k]).abs(),
+        ]
+        rows.append(
+            torch.stack([near[mine].any().float(), (near[1 - mine].any() & ~near[mine].any()).float(), *errors])
+        )
     return torch.stack(rows) if rows else torch.empty((0, 5), device=answer.device)
 
 

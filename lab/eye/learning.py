@@ -26,7 +26,7 @@ def eye_losses(network: EyeNetwork, sample: Sample) -> dict[str, Tensor]:
     off = points[..., :2] - sample.points[..., :2]
     depth_off = (points[..., 5] - sample.points[..., 2]).abs()
     seen = binary_cross_entropy_with_logits(points[..., 7], sample.seen.float(), sample.asked.float())
-    unsure = SURE_WEIGHT * _surprise(off.detach(), points[..., 2:5])
+    unsure = SURE_WEIGHT * surprise(off.detach(), points[..., 2:5])
     depth = DEPTH_WEIGHT * depth_off + SURE_WEIGHT * _depth_surprise(depth_off.detach(), points[..., 6])
     return {
         "parts": _cross_entropy(parts, sample.parts) + DICE_WEIGHT * _dice(parts, sample.parts),
@@ -45,8 +45,8 @@ def whitened(off: Tensor, whitening: Tensor) -> Tensor:
     return torch.stack([along, b * off[..., 0] + torch.exp(c.clamp(-3.0, SHARPEST)) * off[..., 1]], dim=-1)
 
 
-def _surprise(off: Tensor, whitening: Tensor) -> Tensor:
-    """The negative logarithm of Student's density in two dimensions, but for a constant."""
+def surprise(off: Tensor, whitening: Tensor) -> Tensor:
+    """Compute the negative logarithm (...) of Student's density of errors (..., 2), but for a constant."""
     square = whitened(off, whitening).square().sum(dim=-1)
     sharpness = whitening[..., 0].clamp(-3.0, SHARPEST) + whitening[..., 2].clamp(-3.0, SHARPEST)
     return 0.5 * (FREEDOM + 2.0) * torch.log1p(square / FREEDOM) - sharpness

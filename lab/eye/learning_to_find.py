@@ -23,7 +23,10 @@ def finder_losses(network: FinderNetwork, sample: FinderSample) -> dict[str, Ten
     distance = off.norm(dim=2)
     heat = _heat(distance, sample)
     unclear = (sample.unclear[:, :, None, None] & (distance < 3.0 * _spread(sample))).any(dim=1, keepdim=True)
-    return {"heat": _focal(answer[:, :2], heat, unclear), "lies": LIES_WEIGHT * _lies(answer[:, 2:], off, distance, sample)}
+    return {
+        "heat": _focal(answer[:, :2], heat, unclear),
+        "lies": LIES_WEIGHT * _lies(answer[:, 2:], off, distance, sample),
+    }
 
 
 def _offsets(middle: Tensor) -> Tensor:

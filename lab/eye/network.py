@@ -11,7 +11,7 @@ OF_A_POINT = 6  # whitening (3), depth, the logarithm of its deviation, and whet
 
 
 class Trunk(nn.Module):
-    """A U-Net over four scales, from 1/2 to 1/16 of the picture: `width` channels at the finest, eight times at the coarsest."""
+    """A U-Net over four scales, from 1/2 of the picture with `width` channels to 1/16 with eight times as many."""
 
     def __init__(self, width: int) -> None:
         super().__init__()
@@ -41,10 +41,9 @@ class Trunk(nn.Module):
 class EyeNetwork(nn.Module):
     """Looks at the crop of an arm or of a hand.
 
-    Takes pictures (B, 3, 192, 192), RGB from -1 to 1. Gives the parts' logits (B, 5, 96, 96); of each point x, y,
-    whitening (3), depth, the depth's log deviation, and the logit of being seen (B, 22, 8); logits (B, 2) of a bare hand
-    and of a right one; and, to learn by, the heat of each point (B, 22, 2304), in logits. All lengths are shares of the
-    crop's width.
+    Takes pictures (B, 3, 192, 192), RGB from -1 to 1. Gives the parts' logits (B, 5, 96, 96); of each point (B, 22, 8)
+    x, y, whitening (3), depth, the depth's log deviation, and the logit of being seen; logits (B, 2) of a bare hand and
+    of a right one; and, to learn by, the heat of each point (B, 22, 2304), in logits. Lengths are shares of the width.
     """
 
     def __init__(self, width: int) -> None:
@@ -75,8 +74,8 @@ class FinderNetwork(nn.Module):
     """Looks at a whole picture for hands.
 
     Takes pictures (B, 3, 144, 192), RGB from -1 to 1. Gives of each cell of 4 × 4 px (B, 7, 36, 48) the logits that a
-    right and that a left hand's palm has its middle there; x, y to the middle in cells; the direction x, y from the wrist
-    to the knuckles; and the logarithm of what 0.1 m measure there in shares of the picture's width.
+    right and that a left hand's palm has its middle there; x, y to the middle in cells; the direction x, y from the
+    wrist to the knuckles; and the logarithm of what 0.1 m measure there in shares of the picture's width.
     """
 
     def __init__(self, width: int) -> None:

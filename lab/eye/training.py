@@ -62,7 +62,7 @@ class Training(Generic[Network, Batch]):
         progress, saved = self.progress, self.progress.seconds
         before = time.monotonic()
         while progress.seconds < seconds:
-            told = self._step(self._batch(batch), progress.seconds / seconds)
+            told = self.step(self._batch(batch), progress.seconds / seconds)
             if progress.steps % TOLD_EVERY == 0:
                 progress.curve.append({"seconds": progress.seconds, "images": progress.images, **_numbers(told)})
                 print(json.dumps(progress.curve[-1]), flush=True)
@@ -99,7 +99,7 @@ class Training(Generic[Network, Batch]):
         self.averaged.load_state_dict(content["averaged"])
         self._rate = TRAINED_RATE
 
-    def _step(self, sample: Batch, done: float) -> dict[str, Tensor]:
+    def step(self, sample: Batch, done: float) -> dict[str, Tensor]:
         for group in self._optimiser.param_groups:
             group["lr"] = self._rate * min(done / WARM_UP + 0.01, 0.5 + 0.5 * math.cos(math.pi * min(done, 1.0)))
         self.network.train()

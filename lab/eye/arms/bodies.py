@@ -1,4 +1,4 @@
-"""Bodies of every build: the mesh's three shapes blended beyond themselves, its bones lengthened, its limbs thickened."""
+"""Bodies of every build: the mesh's shapes blended beyond themselves, its bones lengthened, its limbs thickened."""
 
 from dataclasses import dataclass, replace
 
@@ -90,9 +90,7 @@ def _stretches(mesh: ArmMesh, shape: BodyShape) -> tuple[Array, Array]:
     return stretches, offsets
 
 
-def _stretch_finger(
-    mesh: ArmMesh, digit: int, shape: BodyShape, hand: Array, stretches: Array, offsets: Array
-) -> None:
+def _stretch_finger(mesh: ArmMesh, digit: int, shape: BodyShape, hand: Array, stretches: Array, offsets: Array) -> None:
     """Lengthen a finger about its knuckle, on top of what the hand's own stretch does to it."""
     first, last = mesh.bone(f"finger{digit}-1"), mesh.bone(f"finger{digit}-3")
     knuckle = mesh.heads[first]

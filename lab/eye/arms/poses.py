@@ -77,9 +77,7 @@ def _one_body(seed: np.random.SeedSequence) -> tuple[Floats, Floats, Floats, Flo
     return mesh.vertices.astype(np.float32), rotations, offsets, points
 
 
-def _one_pose(
-    random: np.random.Generator, mesh: ArmMesh, arm: PosedArm, tips: Array
-) -> tuple[Array, Array, Array]:
+def _one_pose(random: np.random.Generator, mesh: ArmMesh, arm: PosedArm, tips: Array) -> tuple[Array, Array, Array]:
     posture = random_posture(random, mesh, arm)
     rotations, offsets = arm.bones(posture.pose, posture.angles)
     points = [posture.pose.elbow, posture.pose.wrist]

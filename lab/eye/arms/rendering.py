@@ -19,7 +19,7 @@ HOLE_PX, HOLE_DEPTH_M = 2, 0.008
 
 @dataclass(frozen=True, slots=True)
 class SkinRaster:
-    """Which point of the surface each pixel shows: its number (B, S, S), -1 where there is none; depth (B, S, S) in m."""
+    """Which point of the surface each pixel shows (B, S, S), -1 where there is none, and its depth (B, S, S) in m."""
 
     point: Tensor
     depth: Tensor
@@ -46,7 +46,6 @@ class SkinRenderer:
         ).coalesce()
         self._triangles = tensor(mesh.triangles, torch.int64)
         self._corners = self._triangles[tensor(samples.triangle, torch.int64)].T.contiguous()  # (3, P)
-        self._triangle = tensor(samples.triangle, torch.int64)
         self._barycentric = tensor(samples.barycentric.T)  # (3, P)
 
     def vertices(self, rest: Tensor, rotations: Tensor, offsets: Tensor) -> Tensor:
@@ -75,12 +74,14 @@ class SkinRenderer:
         return ((around / count.clamp_min(1.0)[:, None] - vertices) * normals).sum(dim=2)
 
     def raster(self, vertices: Tensor, view: CropView, size: int) -> SkinRaster:
-        """Draw vertices (B, F, 3) as a view sees them, `size` px wide: the nearest point of each pixel wins."""
+        """Draw vertices (B, F, 3) as a view sees them, `size` px wide: the nearest point of each pixel wins.
+
+        What is seen from inside is drawn, too: the arm is open at the shoulder.
+        """
         seen = view.project(vertices)  # (B, F, 3)
-        facing = self._facing(seen)[:, self._triangle]  # (B, P)
         at = sum(seen[:, self._corners[k]] * self._barycentric[k, :, None] for k in range(3))  # (B, P, 3)
         column, row = (at[..., k].mul(size).floor().long() for k in (0, 1))
-        kept = facing & (column >= 0) & (column < size) & (row >= 0) & (row < size) & (at[..., 2] < FARTHEST_M)
+        kept = (column >= 0) & (column < size) & (row >= 0) & (row < size) & (at[..., 2] < FARTHEST_M)
         depth = (at[..., 2] * (DEPTH_STEPS / FARTHEST_M)).long()
         number = torch.arange(at.shape[1], device=at.device)
         key = torch.where(kept, (depth << 32) | number, NOTHING)
@@ -96,9 +97,7 @@ class SkinRenderer:
         """Spread values (B, F, C) of vertices over a raster's pixels (B, S, S, C); 0 where there is nothing."""
         point = raster.point.clamp_min(0).flatten(1)  # (B, S S)
         batch = torch.arange(len(point), device=point.device)[:, None]
-        spread = sum(
-            values[batch, self._corners[k][point]] * self._barycentric[k][point][..., None] for k in range(3)
-        )
+        spread = sum(values[batch, self._corners[k][point]] * self._barycentric[k][point][..., None] for k in range(3))
         size = raster.point.shape[1]
         return spread.unflatten(1, (size, size)) * raster.covered[..., None]
 
@@ -107,20 +106,14 @@ class SkinRenderer:
         columns = coarse.permute(1, 0, 2).reshape(coarse.shape[1], -1)  # the matrix takes columns
         return torch.sparse.mm(self._fine, columns).unflatten(1, (count, 3)).permute(1, 0, 2).contiguous()
 
-    def _facing(self, seen: Tensor) -> Tensor:
-        """Whether (B, T) triangles are seen from outside."""
-        a, b, c = (seen[:, self._triangles[:, k], :2] for k in range(3))
-        return (b[..., 0] - a[..., 0]) * (c[..., 1] - a[..., 1]) < (b[..., 1] - a[..., 1]) * (c[..., 0] - a[..., 0])
-
 
 def _filled(pixels: Tensor) -> Tensor:
-    """Give holes, and pixels that see through one, the nearest of their neighbours where three of four lie before."""
+    """Give holes, and pixels that see through one, the nearest of their neighbours, where these lie before them."""
     step = int(HOLE_DEPTH_M * DEPTH_STEPS / FARTHEST_M) << 32
     for _ in range(HOLE_PX):
         padded = torch.nn.functional.pad(pixels, (1, 1, 1, 1), value=NOTHING)
-        around = torch.stack(
-            [padded[:, 1:-1, :-2], padded[:, 1:-1, 2:], padded[:, :-2, 1:-1], padded[:, 2:, 1:-1]]
-        )
-        hole = (around < pixels - step).sum(dim=0) >= 3
+        around = torch.stack([padded[:, 1:-1, :-2], padded[:, 1:-1, 2:], padded[:, :-2, 1:-1], padded[:, 2:, 1:-1]])
+        before = (around < pixels - step).sum(dim=0)
+        hole = (before == 4) | ((before == 3) & (pixels != NOTHING))  # a gap between fingers is open on one side
         pixels = torch.where(hole, around.amin(dim=0), pixels)
     return pixels

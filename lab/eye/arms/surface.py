@@ -5,6 +5,7 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from common.geometry import Array
@@ -14,8 +15,16 @@ from lab.films.picture.light import vertex_normals
 
 CropKind = Literal["arm", "hand", "whole"]
 # How many samples per cm² of skin, on the hand and elsewhere: some six for each pixel that a point falls on.
-DENSITY_PER_CM2: dict[CropKind, tuple[float, float]] = {"arm": (220.0, 170.0), "hand": (900.0, 550.0), "whole": (80.0, 65.0)}
-SEEN_BEYOND: dict[CropKind, float] = {"arm": 0.2, "hand": 1.2, "whole": 0.2}  # along the arm: what lies before is not drawn
+DENSITY_PER_CM2: dict[CropKind, tuple[float, float]] = {
+    "arm": (220.0, 170.0),
+    "hand": (900.0, 550.0),
+    "whole": (80.0, 65.0),
+}
+SEEN_BEYOND: dict[CropKind, float] = {
+    "arm": 0.2,
+    "hand": 1.2,
+    "whole": 0.2,
+}  # along the arm: what lies before is not drawn
 CM2 = 1e-4
 GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])  # of the R2 sequence, which fills a triangle evenly
 NOISES = 12
@@ -26,7 +35,7 @@ NOISE_WIDTHS = 4  # from single vertices to some 130 of them
 class SkinPoints:
     """Samples of the surface: the triangle (P,) that each lies in and where (P, 3), barycentric."""
 
-    triangle: Array
+    triangle: NDArray[np.int64]
     barycentric: Array
 
 

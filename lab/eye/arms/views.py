@@ -9,7 +9,11 @@ from torch import Tensor
 from lab.eye.arms.poses import INDEX_KNUCKLE, LITTLE_KNUCKLE, MIDDLE_KNUCKLE, WRIST
 from lab.eye.arms.surface import CropKind
 
-CROP_M: dict[CropKind, float] = {"arm": 0.64, "hand": 0.30, "whole": 1.1}  # what the width of a crop shows, at the wrist's depth
+CROP_M: dict[CropKind, float] = {
+    "arm": 0.64,
+    "hand": 0.30,
+    "whole": 1.1,
+}  # what the width of a crop shows, at the wrist's depth
 DISTANCE_M = (0.4, 3.5)
 OFF_AXIS = 0.55  # how far from the picture's middle, as a tangent
 # How badly a crop may lie: what follows is close most of the time, what was just found is not.
@@ -61,7 +65,9 @@ def random_views(points: Tensor, kind: CropKind, random: torch.Generator) -> Cro
     lost = uniform(count) < LOST
     up = flat[:, MIDDLE_KNUCKLE] - flat[:, WRIST]
     angle = torch.atan2(up[:, 0], -up[:, 1])  # how far the hand points to the right of up
-    spread = math.radians(1.0) * torch.where(lost, LOST_TURN_DEG * (2.0 * uniform(count) - 1.0), TURN_DEG * normal(count))
+    spread = math.radians(1.0) * torch.where(
+        lost, LOST_TURN_DEG * (2.0 * uniform(count) - 1.0), TURN_DEG * normal(count)
+    )
     metres = CROP_M[kind] * torch.exp(torch.where(lost, LOST_GROWTH, GROWTH) * normal(count))
     turn = _turns(spread - angle) * (distance / metres)[:, None, None]
     shift = torch.where(lost, LOST_SHIFT, SHIFT)[:, None] * (2.0 * uniform(count, 2) - 1.0)

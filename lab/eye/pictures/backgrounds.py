@@ -46,7 +46,9 @@ class Rooms:
 
     def _material(self, size: int, draw: Draw) -> Tensor:
         tiles = self._tiles[draw.integers(len(self._tiles))].float() / 255.0
-        pixels = grid_sample(tiles, random_windows(draw, (0.15, 0.9), size), padding_mode="reflection", align_corners=False)
+        pixels = grid_sample(
+            tiles, random_windows(draw, (0.15, 0.9), size), padding_mode="reflection", align_corners=False
+        )
         light = pixels**2.2 * torch.exp(0.5 * draw.normal(1, 1, 1) + 0.15 * draw.normal(3, 1, 1))
         grey = light.mean(dim=1, keepdim=True)
         contrast = draw.uniform(0.2, 1.0, 1, 1, 1)
@@ -102,8 +104,8 @@ def _mixed(share: NDArray[np.float64], random: np.random.Generator) -> Picture:
 
 def _clouds(random: np.random.Generator) -> Picture:
     octaves = [_noise(random, 2.0**k, 2.0**k) / 1.6**k for k in range(1, int(random.integers(3, 8)))]
-    total = sum(octaves)
-    return _mixed((total - np.min(total)) / (np.max(total) - np.min(total) + 1e-9), random)
+    total = np.sum(octaves, axis=0)
+    return _mixed(np.asarray((total - total.min()) / (np.ptp(total) + 1e-9)), random)
 
 
 def _wood(random: np.random.Generator) -> Picture:
@@ -131,11 +133,17 @@ def _print(random: np.random.Generator) -> Picture:
     for _ in range(int(random.integers(5, 25))):
         text = "".join(chr(random.integers(33, 126)) for _ in range(int(random.integers(3, 14))))
         at = random.integers(-20, TILE, 2).tolist()
-        cv2.putText(picture, text, at, 0, random.uniform(0.4, 3.0), _colour(random).tolist(), int(random.integers(1, 6)))
+        cv2.putText(
+            picture, text, at, 0, random.uniform(0.4, 3.0), _colour(random).tolist(), int(random.integers(1, 6))
+        )
     return picture
 
 
 def _checks(random: np.random.Generator) -> Picture:
-    across, down = (np.sin(random.uniform(5, 120) * np.linspace(0, 1, TILE)) > random.uniform(-0.9, 0.9) for _ in range(2))
-    pattern = np.logical_xor(across[None, :], down[:, None]) if random.random() < 0.5 else across[None, :] | down[:, None]
+    across, down = (
+        np.sin(random.uniform(5, 120) * np.linspace(0, 1, TILE)) > random.uniform(-0.9, 0.9) for _ in range(2)
+    )
+    pattern = (
+        np.logical_xor(across[None, :], down[:, None]) if random.random() < 0.5 else across[None, :] | down[:, None]
+    )
     return _mixed(np.clip(pattern * 0.8 + 0.2 * _noise(random, 20, 20), 0.0, 1.0), random)

@@ -24,9 +24,11 @@ SEEN_ENOUGH, TOO_HIDDEN = 0.55, 0.25  # of the hand's points: enough to be found
 
 @dataclass(frozen=True, slots=True)
 class FinderSample:
-    """A batch to learn from: `picture` (B, 3, 144, 192), RGB from -1 to 1; of two arms each, the palm's middle (B, 2, 2)
-    in cells, direction (B, 2, 2), log size (B, 2) as the network gives it, whether it is a right hand (B, 2), and
-    whether it is to be found (B, 2); where it is not to be judged, `unclear` (B, 2)."""
+    """A batch to learn from: `picture` (B, 3, 144, 192), RGB from -1 to 1; of two arms each, what the network tells.
+
+    `middle` of the palm (B, 2, 2) in cells, `direction` (B, 2, 2), `size` (B, 2), a logarithm, whether it is a `right`
+    hand (B, 2), and whether it is to be `found` (B, 2); where that is not to be judged, `unclear` (B, 2).
+    """
 
     picture: Tensor
     middle: Tensor

@@ -19,7 +19,11 @@ OTHER, HAND, FOREARM, UPPER_ARM, CLOTH = range(5)
 CLASSES = 5
 SIZE = 192  # px of a crop
 FINER = 2  # pixels are drawn this much finer, and averaged
-FINGER_DEPTH_M, WRIST_DEPTH_M, ELBOW_DEPTH_M = 0.022, 0.05, 0.07  # how deep in the flesh a point lies that still is seen
+FINGER_DEPTH_M, WRIST_DEPTH_M, ELBOW_DEPTH_M = (
+    0.022,
+    0.05,
+    0.07,
+)  # how deep in the flesh a point lies that still is seen
 
 
 @dataclass(frozen=True, slots=True)

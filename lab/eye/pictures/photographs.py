@@ -1,4 +1,4 @@
-"""Photographs that Python packages bring under free licences, as material for rooms."""
+"""Photographs that scikit-image brings under free licences, as material for rooms."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -7,32 +7,23 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-# Pictures without arms to be found. scikit-image's and scikit-learn's are in the public domain or under CC0 or CC BY
-# (each package lists them), those of Mahotas under its own MIT licence.
-PHOTOGRAPHS = {
-    "skimage": (
-        *("data/brick.png", "data/camera.png", "data/chelsea.png", "data/coffee.png", "data/coins.png"),
-        *("data/grass.png", "data/gravel.png", "data/hubble_deep_field.jpg", "data/ihc.png", "data/motorcycle_left.png"),
-        *("data/page.png", "data/retina.jpg", "data/rocket.jpg", "data/text.png", "data/astronaut.png"),
-    ),
-    "sklearn": ("datasets/images/china.jpg", "datasets/images/flower.jpg"),
-    "mahotas": ("demos/data/DepartmentStore.jpg", "demos/data/luispedro.jpg"),
-}
+# Pictures without arms to be found, in the public domain or under CC0 or CC BY: scikit-image lists whose each is.
+PACKAGE = "skimage"
+PHOTOGRAPHS = (
+    *("brick.png", "camera.png", "chelsea.png", "coffee.png", "coins.png", "grass.png", "gravel.png"),
+    *("hubble_deep_field.jpg", "ihc.png", "motorcycle_left.png", "page.png", "retina.jpg", "rocket.jpg", "text.png"),
+    "astronaut.png",
+)
 GREATEST_PX = 640
 
 
 def installed_photographs() -> list[NDArray[np.uint8]]:
-    """Read the photographs (H, W, 3), RGB, of the packages that are installed; fewer where one is missing."""
-    pictures = []
-    for package, names in PHOTOGRAPHS.items():
-        spec = find_spec(package)
-        if spec is None or spec.origin is None:
-            continue
-        for name in names:
-            picture = cv2.imread(str(Path(spec.origin).parent / name), cv2.IMREAD_COLOR)
-            if picture is not None:
-                pictures.append(_fitted(cv2.cvtColor(picture, cv2.COLOR_BGR2RGB)))
-    return pictures
+    """Read the photographs (H, W, 3), RGB, that are installed; none without scikit-image."""
+    spec = find_spec(PACKAGE)
+    if spec is None or spec.origin is None:
+        return []
+    pictures = [cv2.imread(str(Path(spec.origin).parent / "data" / name), cv2.IMREAD_COLOR) for name in PHOTOGRAPHS]
+    return [_fitted(np.asarray(picture[:, :, ::-1], np.uint8)) for picture in pictures if picture is not None]
 
 
 def _fitted(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:

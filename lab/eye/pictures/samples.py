@@ -23,9 +23,9 @@ MARGIN = 0.02  # how far outside of the crop, in shares of its width, a point is
 class Sample:
     """A batch to learn from.
 
-    `picture` (B, 3, 192, 192), RGB from -1 to 1; `parts` (B, 5, 96, 96) add up to 1; `points` (B, 22, 3), x, y and depth
-    against the wrist's in shares of the crop's width; `asked` (B, 22): whether a point is to be found; `seen` (B, 22):
-    nothing hides it; `bare` (B,): a bare hand is there; `right` (B,): it is a right one; `tone` (B,), 0 to 9.
+    `picture` (B, 3, 192, 192), RGB from -1 to 1; `parts` (B, 5, 96, 96) add up to 1; `points` (B, 22, 3), x, y and
+    depth against the wrist's in shares of the crop's width; `asked` (B, 22): whether a point is to be found; `seen`
+    (B, 22): nothing hides it; `bare` (B,): a bare hand is there; `right` (B,): it is a right one; `tone` (B,), 0 to 9.
     """
 
     picture: Tensor

@@ -52,7 +52,9 @@ def composed(layer: ArmLayer, rooms: Rooms, draw: Draw) -> ArmScene:
     left = (1.0 - hidden) * (1.0 - person_hides) * there
     parts = layer.parts * left
     parts[:, OTHER] += 1.0 - left[:, 0]
-    return ArmScene(colour, parts, layer.points, layer.seen & uncovered(left, layer.points), layer.bare & kept, layer.tone)
+    return ArmScene(
+        colour, parts, layer.points, layer.seen & uncovered(left, layer.points), layer.bare & kept, layer.tone
+    )
 
 
 def over(under: Tensor, colour: Tensor, coverage: Tensor) -> Tensor:
@@ -76,16 +78,16 @@ def _another(layer: ArmLayer, share: float, shift: int, draw: Draw) -> tuple[Ten
     return moved[:, :3], moved[:, 3:]
 
 
-def something(
-    rooms: Rooms, extent: tuple[float, float], share: float, size: int, draw: Draw
-) -> tuple[Tensor, Tensor]:
+def something(rooms: Rooms, extent: tuple[float, float], share: float, size: int, draw: Draw) -> tuple[Tensor, Tensor]:
     """Something with a smooth outline, of some material, of this extent in shares of half the width."""
     at = torch.linspace(-1.0, 1.0, size, device=draw.random.device)
     x, y = at[None, None, :], at[None, :, None]
     middle, radius = draw.uniform(-1.0, 1.0, 2, 1, 1), draw.uniform(*extent, 2, 1, 1)
     waves = interpolate(draw.normal(1, 5, 5), size=(size, size), mode="bicubic", align_corners=False)[:, 0]
     power = draw.uniform(1.5, 6.0, 1, 1)  # from a rhombus over an ellipse to a box
-    inside = 1.0 - (((x - middle[:, 0]) / radius[:, 0]).abs() ** power + ((y - middle[:, 1]) / radius[:, 1]).abs() ** power)
+    inside = 1.0 - (
+        ((x - middle[:, 0]) / radius[:, 0]).abs() ** power + ((y - middle[:, 1]) / radius[:, 1]).abs() ** power
+    )
     coverage = (12.0 * (inside + draw.uniform(0.0, 0.5, 1, 1) * waves)).clamp(0.0, 1.0)[:, None]
     coverage = coverage * draw.chance(share, 1, 1, 1)
     return rooms.backgrounds(size, draw) * coverage, coverage

@@ -55,7 +55,9 @@ def blurred(picture: Tensor, sigma: Tensor) -> Tensor:
     kernel = (kernel / kernel.sum(dim=1, keepdim=True)).repeat_interleave(channels, dim=0)
     flat = picture.reshape(1, count * channels, *picture.shape[2:])
     flat = conv2d(pad(flat, (BLUR_RADIUS,) * 2 + (0, 0), "replicate"), kernel[:, None, None], groups=count * channels)
-    flat = conv2d(pad(flat, (0, 0) + (BLUR_RADIUS,) * 2, "replicate"), kernel[:, None, :, None], groups=count * channels)
+    flat = conv2d(
+        pad(flat, (0, 0) + (BLUR_RADIUS,) * 2, "replicate"), kernel[:, None, :, None], groups=count * channels
+    )
     return flat.reshape(picture.shape)
 
 
@@ -72,7 +74,7 @@ def moved(light: Tensor, draw: Draw, most_px: float) -> Tensor:
 
 
 def compressed(picture: Tensor, quality: Tensor) -> Tensor:
-    """Compress pictures (B, 3, S, S), 0 to 1, as JPEG does at a quality (B,) from 1 to 100, colours at half the size."""
+    """Compress pictures (B, 3, S, S), 0 to 1, as JPEG does at a quality (B,) from 1 to 100; colours are halved."""
     y, cb, cr = _to_ycbcr(255.0 * picture)
     scale = torch.where(quality < 50.0, 50.0 / quality, 2.0 - quality / 50.0)[:, None, None, None, None]
     luma = _quantised(y - 128.0, _LUMINANCE, scale)
@@ -82,7 +84,7 @@ def compressed(picture: Tensor, quality: Tensor) -> Tensor:
 
 
 def _exposed(colour: Tensor, draw: Draw) -> Tensor:
-    """Automatic exposure that is off by up to two stops, a white balance that is off, a lens that darkens its corners."""
+    """Automatic exposure and white balance, each off by some, and a lens that darkens one side."""
     level = colour.mean(dim=(1, 2, 3), keepdim=True).clamp_min(0.02)
     aimed = (0.25 / level) ** draw.uniform(0.0, 1.0, 1, 1, 1)
     gain = aimed * torch.exp(0.35 * draw.normal(1, 1, 1)) * torch.exp(0.10 * draw.normal(3, 1, 1))

@@ -1,0 +1,154 @@
+"""Learning: what is right costs least, a training falls and goes on where it was, a file says what the network says."""
+
+# ruff: noqa: E402
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lab.eye.arms.poses import PoseStore
+
+torch = pytest.importorskip("torch", reason="the eye's training needs torch: make eye")
+onnxruntime = pytest.importorskip("onnxruntime", reason="the eye's training needs onnxruntime: make eye")
+
+from lab.eye.export import export_network, quantise
+from lab.eye.judging import judge
+from lab.eye.judging_finder import judge_finder
+from lab.eye.learning import eye_losses, surprise, whitened
+from lab.eye.learning_to_find import finder_losses
+from lab.eye.network import EyeNetwork, FinderNetwork
+from lab.eye.pictures.hands_in_rooms import FinderSample, FinderSource
+from lab.eye.pictures.samples import Sample, SampleSource
+from lab.eye.training import Training
+
+CPU = torch.device("cpu")
+Tiles = NDArray[np.uint8]
+
+
+@pytest.fixture(scope="module")
+def source(few_poses: PoseStore, few_tiles: Tiles) -> SampleSource:
+    return SampleSource(few_poses, few_tiles, "hand", CPU, seed=1)
+
+
+@pytest.fixture(scope="module")
+def sample(source: SampleSource) -> Sample:
+    return source.batch(8)
+
+
+class _Answering:
+    """Answers what it was given, as a network would."""
+
+    def __init__(self, sample: Sample, off: float) -> None:
+        self.grid = EyeNetwork(4).grid
+        parts = torch.logit(sample.parts.clamp(0.001, 0.999))
+        points = torch.zeros(8, 22, 8)
+        points[..., :2] = sample.points[..., :2] + off
+        points[..., 5] = sample.points[..., 2] + off
+        points[..., 7] = torch.where(sample.seen, 6.0, -6.0)
+        square = ((self.grid - points[:, :, None, :2]) ** 2).sum(dim=3)
+        whole = torch.stack([torch.where(sample.bare, 6.0, -6.0), torch.where(sample.right, 6.0, -6.0)], dim=1)
+        self.answer = parts, points, whole, -0.5 * square * 48.0**2
+
+    def __call__(self, _picture: "torch.Tensor") -> object:
+        return self.answer
+
+
+def test_what_is_right_costs_less_than_what_is_a_little_off(sample: Sample) -> None:
+    right, near, far = (eye_losses(_Answering(sample, off), sample) for off in (0.0, 0.02, 0.1))
+    for name in ("points", "heat", "depth"):
+        assert right[name] < near[name] < far[name]
+    assert right["points"] == 0.0
+    assert right["whole"] < 0.01
+
+
+def test_a_covariance_costs_least_where_it_is_true() -> None:
+    off = torch.randn(20000, 2, generator=torch.Generator().manual_seed(1)) * torch.tensor([0.01, 0.03])
+    true = torch.tensor([np.log(1 / 0.01), 0.0, np.log(1 / 0.03)], dtype=torch.float32)
+    assert whitened(off, true).std(dim=0) == pytest.approx(np.ones(2), abs=0.02)
+    costs = [float(surprise(off, true + torch.tensor([d, 0.0, d])).mean()) for d in (-1.0, 0.15, 1.0)]
+    assert costs[1] < min(costs[0], costs[2])
+
+
+def test_a_finder_that_is_right_costs_less(few_poses: PoseStore, few_tiles: Tiles) -> None:
+    sample = FinderSource(few_poses, few_tiles, CPU, seed=2).batch(16)
+    right = finder_losses(lambda _: _finder_answer(sample, 0.0), sample)
+    wrong = finder_losses(lambda _: _finder_answer(sample, 5.0), sample)
+    assert right["heat"] < wrong["heat"]
+    assert right["lies"] < wrong["lies"]
+
+
+def _finder_answer(sample: FinderSample, off: float) -> "torch.Tensor":
+    answer = torch.zeros(len(sample.middle), 7, 36, 48)
+    answer[:, :2] = -6.0
+    for b, k in sample.found.nonzero().tolist():
+        x, y = (sample.middle[b, k] + off).tolist()
+        column, row = min(max(int(x), 0), 47), min(max(int(y), 0), 35)
+        answer[b, 0 if sample.right[b, k] else 1, row, column] = 6.0
+        ys, xs = torch.meshgrid(torch.arange(36) + 0.5, torch.arange(48) + 0.5, indexing="ij")
+        near = ((xs - x) ** 2 + (ys - y) ** 2) < 4.0
+        answer[b, 2][near], answer[b, 3][near] = (x - xs)[near], (y - ys)[near]
+        answer[b, 4:6, near] = sample.direction[b, k][:, None]
+        answer[b, 6][near] = sample.size[b, k]
+    return answer
+
+
+def test_the_loss_falls(source: SampleSource, sample: Sample, tmp_path: Path) -> None:
+    torch.manual_seed(0)
+    training = Training(EyeNetwork(4), lambda _: sample, eye_losses, tmp_path / "hand.pt", CPU)
+    told = [training.step(sample, 0.3) for _ in range(40)]
+    sums = [float(sum(losses.values())) for losses in told]
+    assert np.mean(sums[-5:]) < 0.75 * np.mean(sums[:5])
+    judged = judge(training.averaged, source, "hand", batches=1, size=8)
+    assert judged.samples == 8
+    assert '"scale_95"' in judged.text()
+
+
+def test_a_training_goes_on_where_it_was(sample: Sample, tmp_path: Path) -> None:
+    path = tmp_path / "eye" / "hand.pt"
+    first = Training(EyeNetwork(4), lambda _: sample, eye_losses, path, CPU)
+    first.run(seconds=1e-9, batch=8)
+    again = Training(EyeNetwork(4), lambda _: sample, eye_losses, path, CPU)
+    assert again.progress == first.progress
+    assert again.progress.images == 8
+    for one, other in zip(first.network.parameters(), again.network.parameters(), strict=True):
+        torch.testing.assert_close(one, other)
+    path.unlink()
+    from_weights = Training(EyeNetwork(4), lambda _: sample, eye_losses, path, CPU)
+    assert from_weights.progress.images == 0
+    for one, other in zip(first.averaged.parameters(), from_weights.network.parameters(), strict=True):
+        torch.testing.assert_close(one, other)
+
+
+def test_a_step_that_is_not_a_number_spoils_nothing(sample: Sample, tmp_path: Path) -> None:
+    training = Training(EyeNetwork(4), lambda _: sample, eye_losses, tmp_path / "hand.pt", CPU)
+    before = [parameter.clone() for parameter in training.network.parameters()]
+    training.step(replace(sample, points=sample.points * torch.nan), 0.5)
+    for one, other in zip(before, training.network.parameters(), strict=True):
+        torch.testing.assert_close(one, other)
+
+
+def test_a_finder_is_judged(few_poses: PoseStore, few_tiles: Tiles) -> None:
+    source = FinderSource(few_poses, few_tiles, CPU, seed=2)
+    judged = judge_finder(FinderNetwork(4), source, batches=1, size=16)
+    assert judged.hands > 0
+    assert judged.found == 0.0  # it has learned nothing
+
+
+@pytest.mark.filterwarnings("ignore::FutureWarning", "ignore::DeprecationWarning")  # of the exporter's own
+def test_a_file_says_what_the_network_says(sample: Sample, tmp_path: Path) -> None:
+    torch.manual_seed(2)
+    network = EyeNetwork(4).eval()
+    path, small = tmp_path / "hand.onnx", tmp_path / "hand.int8.onnx"
+    export_network(network, (192, 192), ["parts", "points", "whole"], path)
+    session = onnxruntime.InferenceSession(str(path), providers=["CPUExecutionProvider"])
+    told = session.run(None, {"picture": sample.picture[:1].numpy()})
+    with torch.no_grad():
+        expected = network(sample.picture[:1])
+    for one, other in zip(told, expected[:3], strict=True):
+        np.testing.assert_allclose(one, other.numpy(), atol=2e-4)
+    quantise(path, [picture[None].numpy() for picture in sample.picture], small)
+    session = onnxruntime.InferenceSession(str(small), providers=["CPUExecutionProvider"])
+    points = session.run(None, {"picture": sample.picture[:1].numpy()})[1]
+    assert np.abs(points[..., :2] - expected[1][..., :2].numpy()).mean() < 0.02
