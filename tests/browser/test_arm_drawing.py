@@ -13,6 +13,7 @@ from common.messages.robot import GripperCommand, GripperState, GripperStatus, S
 from lab.measure.page import scene
 from local_site.console.hub import Hub
 from tests.browser.told import Told
+from tests.present import present
 
 CELL = scene.cell()
 LIMITS = [(joint.lower, joint.upper) for joint in CELL.joints]
@@ -198,7 +199,7 @@ PICTURE = "() => document.getElementById('arm').toDataURL().split(',')[1]"
 def drawn(told: Told) -> np.ndarray:
     """The canvas's pixels (n, 4): red, green, blue, alpha."""
     png = np.frombuffer(base64.b64decode(told.page.page.evaluate(PICTURE)), np.uint8)
-    return cv2.imdecode(png, cv2.IMREAD_UNCHANGED)[:, :, [2, 1, 0, 3]].reshape(-1, 4).astype(int)
+    return present(cv2.imdecode(png, cv2.IMREAD_UNCHANGED))[:, :, [2, 1, 0, 3]].reshape(-1, 4).astype(int)
 
 
 def close_to(pixels: np.ndarray, hexed: str) -> int:

@@ -110,16 +110,17 @@ def test_pictures_are_sent_for_viewers_only_while_one_listens(site: Watched) -> 
 def test_of_all_that_viewers_send_only_so_much_reaches_the_site(site: Watched) -> None:
     asked = site.video.latest(KEY_FRAMES, CELL)
     request = KeyFrameRequest(camera="side", after_seq=0)
-    with site.connect() as viewer, repeated(lambda: viewer_asks.put(request), 0.002):
+    with site.connect() as viewer:
         viewer_asks = viewer.publisher(KEY_FRAMES, CELL)
-        until(asked.take)
-        time.sleep(2.0)  # the burst is over
-        while asked.take() is not None:
-            pass
-        heard, ends = 0, time.monotonic() + 2.0
-        while time.monotonic() < ends:
-            heard += asked.take() is not None
-            time.sleep(0.005)
+        with repeated(lambda: viewer_asks.put(request), 0.002):
+            until(asked.take)
+            time.sleep(2.0)  # the burst is over
+            while asked.take() is not None:
+                pass
+            heard, ends = 0, time.monotonic() + 2.0
+            while time.monotonic() < ends:
+                heard += asked.take() is not None
+                time.sleep(0.005)
     assert 10 <= heard <= 25  # ten a second; 1000 were sent
 
 
