@@ -136,7 +136,7 @@ def test_a_reply_that_refuses_is_no_success(ask, begins: str, monkeypatch: pytes
 def test_a_reset_says_what_it_clears_and_names_no_more_than_that(
     stopped: RobotState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked, told = [], []
+    asked, told = [], list[str]()
 
     def ask(_client: object, action: EngagementAction, seen_ns: int, *, maintenance: bool = False) -> Reply:
         asked.append((action, seen_ns, maintenance))
@@ -169,7 +169,7 @@ def test_a_reset_of_nothing_says_so(
 ) -> None:
     monkeypatch.setattr(engage, "newest_state", lambda *_: replace(STATE, state=state, code=code, reason="why"))
     monkeypatch.setattr(engage, "ask_engagement", lambda *_, **__: Reply(id=0, done=True, code="reset", reason="reset"))
-    told = []
+    told: list[str] = []
     request_maintenance(CELL, f"tcp/127.0.0.1:{free_port()}", EngagementAction.RESET, told.append)
     assert told == [f"{begins}why"]
 

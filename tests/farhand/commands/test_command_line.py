@@ -43,6 +43,7 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
         with pytest.raises(SystemExit) as ended:
             main()
         told = capsys.readouterr()
+        assert isinstance(ended.value.code, int)
         return subprocess.CompletedProcess(arguments, ended.value.code, told.out, told.err)
 
     yield run

@@ -5,10 +5,11 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
+import typer
 
+from farhand.cli import app
 from farhand.commands.completion import arm_names, experiment_names, motion_names, setting_keys
 
 PROGRAM = "#!{python}\nimport sys\nsys.path[:0] = {path!r}\nfrom farhand.__main__ import main\nmain()\n"
@@ -72,7 +73,7 @@ def test_names_and_keys_are_completed_and_files_are_left_to_the_shell(completed)
 def test_a_command_completes_the_keys_of_the_sites_whose_settings_it_takes(
     words: str, incomplete: str, keys: set[str], others: set[str]
 ) -> None:
-    context = SimpleNamespace(command_path=f"farhand {words}")
+    context = typer.Context(typer.main.get_command(app), info_name=f"farhand {words}")
     found = set(setting_keys(context, incomplete))
     assert keys <= found
     assert not others & found

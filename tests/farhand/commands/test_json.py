@@ -25,7 +25,7 @@ LEAVES = {" ".join(words): command for words, command in walk() if not getattr(c
 
 def documented() -> dict[str, set[str]]:
     """The keys of each command's result, by the table of the document: what is in brackets is within them."""
-    found = {}
+    found: dict[str, set[str]] = {}
     for line in DOCUMENT.read_text(encoding="utf-8").splitlines():
         if line.startswith("| `"):
             commands, keys = line.strip("| ").split(" | ", 1)

@@ -19,7 +19,7 @@ class Measuring:
     """Measures what answers; keeps what it was asked."""
 
     def __init__(self, *silent: str) -> None:
-        self.silent, self.asked = silent, []
+        self.silent, self.asked = silent, list[tuple[str, str, str]]()
 
     def __call__(self, endpoint: str, _security: LinkSecurity, cell: str, operator: str) -> LinkFigures:
         self.asked.append((endpoint, cell, operator))
