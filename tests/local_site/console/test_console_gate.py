@@ -1,6 +1,7 @@
 """Who is let in: only our own names and origins, beyond this host only with the token; and what is served with it."""
 
 import asyncio
+from typing import Any
 
 import pytest
 
@@ -25,7 +26,7 @@ def ask(serve: ServeConfig, headers: dict[str, str], kind: str = "http", query: 
     async def send(message) -> None:
         sent.append(message)
 
-    async def receive() -> dict:
+    async def receive() -> dict[str, Any]:
         return {"type": "websocket.connect"}
 
     pairs = [(name.encode(), value.encode()) for name, value in headers.items()]
