@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from common.geometry import angle_between, inverse, rotation_from_vector, transform
+from common.geometry import Array, angle_between, inverse, rotation_from_vector, transform
 from common.messages.hand import Intent, TrackingStatus
 from common.messages.robot import AssistPhase, SessionState
+from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
 from remote_site.reasons import Code, reason
+from tests.present import present
 from tests.remote_site.assist.sightings import BLOCK, CONFIG, MARKER, PRESSED, RELEASED, refused, seen
 from tests.remote_site.remote_loop import RemoteLoop, assert_within_limits, hand
 
@@ -30,7 +32,7 @@ class AssistLoop(RemoteLoop):
         self.goal = transform(rotation_from_vector(np.array(turn_rad)) @ tool[:3, :3], tool[:3, 3] + way_m)
         self.base_T_marker = self.goal @ inverse(BLOCK.marker_T_tool)
         self.refusal = None
-        self.targets, self.phases = [], []
+        self.targets, self.phases = list[Array](), list[AssistPhase]()
         self.ticks = 0
 
     def go(self, seconds, intent=RELEASED, place=HAND, **changes) -> None:
@@ -38,15 +40,15 @@ class AssistLoop(RemoteLoop):
         for _ in range(round(seconds * 250)):
             self.ticks += 1
             now_ns = self.clock.now_ns()
-            samples, markers = [], ()
+            samples, markers = [], list[MarkerSighting]()
             if self.ticks % EVERY == 0:
                 self.hand_seq += 1
                 samples = [hand(self.hand_seq, now_ns, place, lease=self.lease, intent=intent, **changes)]
             if self.ticks % SEEN_EVERY == 0:
-                markers = (self.sighting(now_ns),)
-            self.tick(*samples, markers=markers)
+                markers = [self.sighting(now_ns)]
+            self.tick(*samples, markers=tuple(markers))
             self.targets.append(self.snapshot.target.copy())
-            self.phases.append(self.snapshot.assist.phase)
+            self.phases.append(present(self.snapshot.assist).phase)
 
     def sighting(self, now_ns):
         if self.refusal is not None:

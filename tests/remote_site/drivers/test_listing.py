@@ -36,7 +36,9 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
         info = tmp_path / f"{package}-{number}.dist-info"
         info.mkdir(exist_ok=True)
         (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {package}\nVersion: {number}\n")
-        return EntryPoint(name, value, GROUP)._for(PathDistribution(info))
+        (info / "entry_points.txt").write_text(f"[{GROUP}]\n{name} = {value}\n")
+        (found,) = PathDistribution(info).entry_points
+        return found
 
     yield make
     sys.modules.pop("listed_robot", None)

@@ -13,7 +13,7 @@ TICK_NS = NS_PER_S // 250
 OF_OPERATORS = [
     keyed.key_for(CELL, operator="ben")
     for keyed in (*CHANNELS, *PROCEDURES)
-    if keyed.by_operator and REMOTES & (getattr(keyed, "received_by", None) or getattr(keyed, "answered_by", REMOTES))
+    if keyed.by_operator and REMOTES & getattr(keyed, "received_by", getattr(keyed, "answered_by", REMOTES))
 ]
 
 

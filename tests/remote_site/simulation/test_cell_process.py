@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import signal
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ class Rig:
         self.children = Children("remote")
         self.child = self.children.start("cell", self.run)
         self.children.wait_ready(30.0, StopFlag())
-        self.log = []
+        self.log: list[Any] = []
 
     def run(self, should_stop, heartbeat) -> None:
         process.run_cell(process.SimulatedCell(CONFIG, ROBOT, self.memory), should_stop, heartbeat.beat)
@@ -172,7 +173,7 @@ def test_the_cell_outlives_its_parent_only_to_stop_the_arm():
 
 def test_a_cell_beats_after_each_step(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(process, "ask_for_real_time", lambda _priority: True)
-    cell, steps = process.SimulatedCell(CONFIG, ROBOT, CellMemory.create(6)), []
+    cell, steps = process.SimulatedCell(CONFIG, ROBOT, CellMemory.create(6)), list[int]()
     process.run_cell(cell, lambda: len(steps) >= 5, lambda: steps.append(round(cell.data.time / cell.dt)))
     assert steps == [1, 2, 3, 4, 5]
 

@@ -1,5 +1,7 @@
 """The simulated controller follows, bridges, stops within limits, and moves again only when activated."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -22,7 +24,7 @@ class Desk:
         self.setup[()] = (round(timeout_ms * 1e6), 10.0, 100.0, 25.0)
         self.now_ns = 0
         self.lag = np.zeros(6)
-        self.motions = []
+        self.motions: list[Any] = []
 
     def activate(self, q=Q0) -> None:
         self.command["activation"] += 1
