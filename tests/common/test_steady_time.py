@@ -138,7 +138,7 @@ def aheads_of_pictures(at: Instants) -> dict[tuple[int, ...], int]:
     return told
 
 
-def stated_age_ns(known, captured_ns: int, arrived: HostTime) -> int:
+def stated_age_ns(known: ClockEstimate, captured_ns: int, arrived: HostTime) -> int:
     """The age of a sample as the remote site reckons it when it comes, by the clocks' offset in it."""
     offset = known.offset
     clock = ClockSync(

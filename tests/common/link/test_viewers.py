@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -216,7 +216,7 @@ def test_a_passage_without_its_site_waits_for_it(pki: Path) -> None:
 class repeated:  # noqa: N801  # reads as what it does
     """Does something every few milliseconds while the block runs."""
 
-    def __init__(self, do, every_s: float = 0.02) -> None:
+    def __init__(self, do: Callable[[], object], every_s: float = 0.02) -> None:
         self._do, self._every_s, self._ended = do, every_s, threading.Event()
         self._thread = threading.Thread(target=self._run)
 

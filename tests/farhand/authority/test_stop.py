@@ -1,7 +1,7 @@
 """`farhand stop` with real certificates: whoever may stop is acknowledged, everybody else is told what to use."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -124,7 +124,9 @@ def reset(cell: str, endpoint: str, operator: str) -> str:
     ("ask", "begins"),
     [(request_stop, NOT), (request_disengage, "not disengaged ("), (reset, "not reset (")],
 )
-def test_a_reply_that_refuses_is_no_success(ask, begins: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reply_that_refuses_is_no_success(
+    ask: Callable[[str, str, str], str], begins: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     refused = Reply(id=0, done=False, code="not_holder", reason="ben holds the lease")
     monkeypatch.setattr(engage, "ask_engagement", lambda *_, **__: refused)
     with pytest.raises(TransportError, match="not_holder") as told:

@@ -4,6 +4,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -22,7 +23,7 @@ printf '%s\\n' "${COMPREPLY[@]}"
 
 
 @pytest.fixture
-def completed(tmp_path: Path):
+def completed(tmp_path: Path) -> Callable[..., list[str]]:
     """What bash offers for the last of these words."""
     if shutil.which("bash") is None:
         pytest.skip("no bash here")
@@ -43,7 +44,7 @@ def completed(tmp_path: Path):
 
 
 @pytest.mark.slow
-def test_commands_options_and_choices_are_completed(completed) -> None:
+def test_commands_options_and_choices_are_completed(completed: Callable[..., list[str]]) -> None:
     assert completed("sta") == ["status"]
     assert completed("maintenance", "") == ["stop", "reset"]
     assert {"--config", "--set", "--save-views"} <= set(completed("local", "--"))
@@ -51,7 +52,7 @@ def test_commands_options_and_choices_are_completed(completed) -> None:
 
 
 @pytest.mark.slow
-def test_names_and_keys_are_completed_and_files_are_left_to_the_shell(completed) -> None:
+def test_names_and_keys_are_completed_and_files_are_left_to_the_shell(completed: Callable[..., list[str]]) -> None:
     assert completed("config", "show", "remote-") == ["remote-assist", "remote-thesis"]
     assert completed("loopback", "--driver", "k") == ["kinematic"]
     assert completed("remote", "--set", "robot.limits") == ["robot.limits_factor="]

@@ -24,7 +24,7 @@ PLATE = Plate()
 RECORDED = pytest.mark.skipif(not DATA.exists(), reason="the recordings are not here")
 
 
-def picture_of(side, k) -> Image:
+def picture_of(side: str, k: int) -> Image:
     return np.asarray(present(cv2.imread(str(DATA / f"calib_{side}_{k}.png"))), np.uint8)
 
 

@@ -38,7 +38,7 @@ class RecordedControl:
 
 
 @pytest.fixture
-def control(tmp_path) -> Iterator[RecordedControl]:
+def control(tmp_path: Path) -> Iterator[RecordedControl]:
     made = RecordedControl(tmp_path)
     yield made
     made.memory.remove()

@@ -34,7 +34,9 @@ class EncodedStates:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
-def test_any_samples_that_the_wire_accepts_leave_control_cycles_that_can_be_sent_and_kept(tmp_path: Path, seed: int):
+def test_any_samples_that_the_wire_accepts_leave_control_cycles_that_can_be_sent_and_kept(
+    tmp_path: Path, seed: int
+) -> None:
     loop, hostile, states = DrivenLoop(), HostileHand(seed), EncodedStates()
     loop.start()
     memory = RecordingMemory.create(tmp_path / "memory", loop.clock.now_ns())

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from common.geometry import Array
 from remote_site.simulation.config import ServoConfig
 from remote_site.simulation.controller import ControllerFault, SimulatedController, controller_limits
 from remote_site.simulation.memory import command_dtype, setup_dtype
@@ -26,7 +27,7 @@ class Desk:
         self.lag = np.zeros(6)
         self.motions: list[Any] = []
 
-    def activate(self, q=Q0) -> None:
+    def activate(self, q: Array = Q0) -> None:
         self.command["activation"] += 1
         self.command["run"], self.command["q"], self.command["dq"], self.command["ddq"] = True, q, 0, 0
         self.tick()

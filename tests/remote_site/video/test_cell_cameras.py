@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from common.errors import CameraError
+from common.geometry import Array
 from remote_site.kinematics.config import RobotConfig
 from remote_site.shared_record import SharedRecord
-from remote_site.simulation.cell import build_cell
+from remote_site.simulation.cell import Cell, build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.simulation.memory import snapshot_dtype
 from remote_site.simulation.views import simulated_calibration
@@ -38,10 +39,10 @@ def renderer(cell):
     renderer.close()
 
 
-def posture(cell, joint_2: float = 0.0):
+def posture(cell: Cell, joint_2: float = 0.0) -> Array:
     data = cell.start()
     data.qpos[1] += joint_2
-    return data.qpos.copy()
+    return np.array(data.qpos)
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 from collections import Counter
+from collections.abc import Callable
 
 import cv2
 import numpy as np
@@ -86,7 +87,9 @@ def do_nothing() -> None:
     pass
 
 
-def run_until(config: VideoConfig, enough, beat=lambda: None) -> list[VideoFrame]:
+def run_until(
+    config: VideoConfig, enough: Callable[[list[VideoFrame]], bool], beat: Callable[[], None] = lambda: None
+) -> list[VideoFrame]:
     seen, deadline = list[VideoFrame](), time.monotonic() + 10
     run_video(config, None, VideoWire(seen.append), lambda: enough(seen) or time.monotonic() > deadline, beat)
     return seen
@@ -219,7 +222,7 @@ def test_a_camera_that_hangs_delays_no_other_and_is_told_as_frozen(monkeypatch):
     monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
     config = VideoConfig(cameras=(CameraConfig(name="front", source="0"), CameraConfig(name="side", source="1")))
 
-    def enough(seen) -> bool:
+    def enough(seen: list[VideoFrame]) -> bool:
         return any(m.camera == "front" and m.status is CameraStatus.FROZEN for m in seen)
 
     try:

@@ -27,7 +27,7 @@ KINDS = {kind.name.lower(): kind for kind in Kind}
 LARGEST = {"host": LARGEST_REQUEST, "controller": LARGEST_ANSWER}
 
 
-def said(frame: FrameVector):
+def said(frame: FrameVector) -> Activation | Setpoint | ControllerState | None:
     """What the vector says, as the driver's own message; None for a frame without a payload."""
     joints = tuple(joint * RAD for joint in frame.joints_urad or ())
     match frame.kind:

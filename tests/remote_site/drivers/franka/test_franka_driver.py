@@ -7,7 +7,7 @@ import pytest
 
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
-from remote_site.drivers.conformance.checks import CHECKS
+from remote_site.drivers.conformance.checks import CHECKS, Check
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.franka.robot_limits import FR3
 from remote_site.drivers.franka.robot_port import LinkLostError, MotionAbortedError, RobotRefusedError, UnreachableError
@@ -30,7 +30,7 @@ REFLEX = "motion aborted by reflex! [cartesian_reflex]"
 
 @pytest.mark.slow
 @pytest.mark.parametrize("check", CHECKS, ids=NAMES)
-def test_it_conforms(check) -> None:
+def test_it_conforms(check: Check) -> None:
     lines: list[str] = []
     assert run_checks(franka_stand(), lines.append, [check]) == [], lines
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import simplejpeg
 
-from common.cameras.camera import Frame
+from common.cameras.camera import Frame, Image
 from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.pictures import is_dark
@@ -20,7 +20,7 @@ FULL = StreamSetting(80, 1.0, 30.0)
 RNG = np.random.default_rng(7)
 
 
-def scene(level: float = 120.0, contrast: float = 40.0):
+def scene(level: float = 120.0, contrast: float = 40.0) -> Image:
     return np.clip(RNG.normal(level, contrast, (48, 64, 3)), 0, 255).astype(np.uint8)
 
 

@@ -6,7 +6,7 @@ import simplejpeg
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.cameras.camera import Frame
+from common.cameras.camera import Frame, Image
 from common.messages.codec import encode
 from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
@@ -20,11 +20,11 @@ CONFIG = VideoConfig(frozen_ms=500.0, status_hz=5.0)
 FULL = StreamSetting(80, 1.0, 30.0)
 
 
-def picture(seed: int):
+def picture(seed: int) -> Image:
     return np.random.default_rng(seed).integers(0, 255, (48, 64, 3), dtype=np.uint8)
 
 
-def frame(k: int, image=None, estimated: bool = False) -> Frame:
+def frame(k: int, image: Image | None = None, estimated: bool = False) -> Frame:
     return Frame(picture(k) if image is None else image, 1 + k * 33 * MS, k, estimated)
 
 
