@@ -171,8 +171,8 @@ def test_a_process_that_is_always_late_notices_that_control_has_ceased_after_fou
     driven = DrivenArm(BrakingArm).active().at_speed()
     for _ in range(5):
         driven.clock.advance_ms(turn_ms)
-        fault = present(driven.driver.read().fault)
-    assert fault.code is FaultCode.COMMAND_TIMEOUT
+        fault = driven.driver.read().fault
+    assert present(fault).code is FaultCode.COMMAND_TIMEOUT
 
 
 def test_an_arm_that_brakes_by_itself_is_stopped_at_every_call_and_at_once():
