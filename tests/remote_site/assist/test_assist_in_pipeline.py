@@ -13,7 +13,7 @@ from common.messages.hand import Intent, TrackingStatus
 from common.messages.robot import AssistPhase, SessionState
 from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
-from remote_site.reasons import Code, reason
+from remote_site.reasons import Code, Reason, reason
 from tests.present import present
 from tests.remote_site.assist.sightings import BLOCK, CONFIG, MARKER, PRESSED, RELEASED, refused, seen
 from tests.remote_site.remote_loop import Point, RemoteLoop, assert_within_limits, hand
@@ -32,7 +32,7 @@ class AssistLoop(RemoteLoop):
         tool = self.model.forward(self.sent.q)
         self.goal = transform(rotation_from_vector(np.array(turn_rad)) @ tool[:3, :3], tool[:3, 3] + way_m)
         self.base_T_marker = self.goal @ inverse(BLOCK.marker_T_tool)
-        self.refusal = None
+        self.refusal: Reason | None = None
         self.targets, self.phases = list[Array](), list[AssistPhase]()
         self.ticks = 0
 
