@@ -12,7 +12,7 @@ from common.cameras.camera import Image
 from common.errors import CalibrationError
 from common.geometry import Array
 from lab.films.arm.person import ColouredSurface, body_of, ellipsoid
-from lab.films.arm.skin import TONES, Tone
+from lab.films.arm.skin import TONES
 from lab.films.film import FilmInstant, HandTruth, TrackingFilm
 from lab.films.picture.light import linear, srgb
 from lab.films.picture.rendering import FilmLayer, Picture, lay
@@ -21,6 +21,7 @@ from lab.films.surroundings import FilmSetting, Surroundings
 from local_site.calibration.physical_camera import PhysicalCamera, decomposed
 from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.calibration.triangulation import project, triangulate_many
+from local_site.simulation.room.config import SkinName
 
 RecordingName = Literal["yz", "toggle", "icr_elbow", "pick"]
 
@@ -45,7 +46,7 @@ class ComposedFilm:
 
     name: str
     recording: RecordingName
-    tone: Tone = "light"
+    tone: SkinName = "light"
     setting: FilmSetting = FilmSetting(noise=1.5)  # noqa: RUF009
     empty_s: float = 0.0
     seed: int = 1
@@ -153,7 +154,7 @@ def _end_px(cutout: Cutout, elbow_px: Array) -> Array:
     return np.asarray(pixels[along > along.max() - END_PX].mean(axis=0) + elbow_px, dtype=np.float64)
 
 
-def _tinted(tone: Tone) -> Picture:
+def _tinted(tone: SkinName) -> Picture:
     """The skin's colour (256, 3), BGR from 0 to 255, of each recorded grey level."""
     light = (linear(np.arange(256.0)) / linear(np.array(EVENLY_LIT)))[:, None]
     colour = srgb(linear(np.array(TONES[tone]))[::-1] * np.clip(light, 0.0, None) ** SHADOW_REDNESS)

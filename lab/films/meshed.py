@@ -10,13 +10,13 @@ from lab.films.arm.arm_mesh import Body, load_arm_mesh
 from lab.films.arm.motions import ArmMotion, FilmMotion
 from lab.films.arm.person import FilmedPerson, PersonInMotion
 from lab.films.arm.postures import PostureName
-from lab.films.arm.skin import Tone
 from lab.films.film import FilmInstant, TrackingFilm
 from lab.films.picture.rendering import FilmLayer, Picture, lay
 from lab.films.picture.rigs import RigName, Size, film_cameras, film_rig
 from lab.films.surroundings import FilmSetting, Surroundings
 from local_site.calibration.physical_camera import PhysicalCamera
 from local_site.simulation.motion import minimum_jerk
+from local_site.simulation.room.config import SkinName
 
 ENTERING_S, ENTERING_FROM = 0.7, np.array([1.1, 0.0, -0.15])
 SHIRTS = ((70, 90, 130), (176, 172, 160), (120, 40, 44))
@@ -32,7 +32,7 @@ class FilmedArm:
     motion: FilmMotion = "carry"
     posture: PostureName = "u_shape"
     body: Body = "average"
-    tone: Tone = "light"
+    tone: SkinName = "light"
     roll_deg: float = 20.0
     right: bool = True
 

@@ -13,18 +13,19 @@ from common.geometry import Array
 from lab.films.arm.arm_mesh import load_arm_mesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.person import ColouredSurface, FilmedPerson
-from lab.films.arm.skin import Tone
 from lab.films.picture.light import Lighting, lit
 from lab.films.picture.rendering import FilmLayer, Picture, lay, rendered
 from lab.films.picture.rigs import Size
-from lab.films.room.backdrop import SeenRoom
-from lab.films.room.rooms import RoomName, furnished
+from lab.films.room.rooms import DESK, DESK_SHAPE, SHADE_PX, WALL, FurnishedRoom, RoomName, furnished
 from local_site.calibration.physical_camera import PhysicalCamera
+from local_site.simulation.room.config import SkinName
+from local_site.simulation.room.panels import lines_of_sight, out_of_focus
 from local_site.tracking.tracker import View, Views
 
 SECOND_AT = np.array([-0.05, 0.75, 0.05])
 SKIN_SHIRT = (205, 160, 130)
 FOCUS_SIGMA_PX = 0.55
+MOST_PX = 16000.0  # a warp in whole and parts of px holds no more
 NOISE_MARGIN_PX = 61  # every picture shows another part of one larger picture of noise
 
 
@@ -36,6 +37,41 @@ class FilmSetting:
     second_person: bool = False
     shutter_s: float = 0.008
     noise: float = 2.0
+
+
+class SeenRoom:
+    """The pictures of a room that one camera takes; the warp is computed once."""
+
+    def __init__(self, room: FurnishedRoom, camera: PhysicalCamera, size: tuple[int, int]) -> None:
+        self._room = room
+        sight = lines_of_sight(camera, size)
+        (to_wall, wall), (to_desk, desk) = (plane.met(camera.centre, sight) for plane in (WALL, DESK))
+        height, width = DESK_SHAPE
+        desk_inside = np.all((desk >= 0) & (desk < (width, height)), axis=-1) & (to_desk < to_wall)
+        self._shaded = _fixed(np.where(desk_inside[..., None], desk, wall) / SHADE_PX)
+        self._wall = _fixed(wall)
+        self._desk_at = desk_inside
+        seen_desk = cv2.remap(room.desk, *_fixed(desk), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        self._desk = np.asarray(seen_desk, np.uint8)[desk_inside]
+        self._still = self._seen(room.wall) if room.moving is None else None
+
+    def at(self, t_s: float) -> Picture:
+        """The picture (H, W, 3), BGR from 0 to 255, at a time in s; the caller may draw on it."""
+        if self._still is not None:
+            return self._still.copy() if self._room.shade is None else self._still * self._shade(self._room.shade(t_s))
+        wall = self._room.wall.copy()
+        if self._room.moving is not None:
+            self._room.moving(wall, t_s)
+        return self._seen(wall)
+
+    def _shade(self, shade: Picture) -> Picture:
+        seen = cv2.remap(shade, *self._shaded, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT)
+        return np.asarray(seen, dtype=np.float32)[..., None]
+
+    def _seen(self, wall: Image) -> Picture:
+        picture = np.asarray(cv2.remap(wall, *self._wall, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REFLECT), np.uint8)
+        picture[self._desk_at] = self._desk
+        return out_of_focus(picture).astype(np.float32)
 
 
 class Sensor:
@@ -62,7 +98,7 @@ class Surroundings:
     """A setting before cameras whose pictures are of one size (width, height)."""
 
     def __init__(
-        self, setting: FilmSetting, cameras: Sequence[PhysicalCamera], size: Size, tone: Tone, seed: int
+        self, setting: FilmSetting, cameras: Sequence[PhysicalCamera], size: Size, tone: SkinName, seed: int
     ) -> None:
         """`tone` and `seed` make the second person, who shows the left arm."""
         self._setting, self._cameras, self._size = setting, cameras, size
@@ -101,7 +137,13 @@ class Surroundings:
         return Views(t_ns, tuple(View(frame) for frame in frames))
 
 
-def _second(tone: Tone, seed: int) -> FilmedPerson:
+def _fixed(warp: Array) -> tuple[cv2.typing.MatLike, cv2.typing.MatLike]:
+    """A warp in the form that is applied fastest."""
+    clipped = np.clip(warp, -MOST_PX, MOST_PX).astype(np.float32)
+    return cv2.convertMaps(clipped[..., 0], clipped[..., 1], cv2.CV_16SC2)
+
+
+def _second(tone: SkinName, seed: int) -> FilmedPerson:
     mesh = load_arm_mesh("muscular")
     motion = ArmMotion("toggle", mesh.upper_arm_m, mesh.forearm_m, np.radians(20.0), seed)
     return FilmedPerson(mesh, motion, "u_shape", tone, SKIN_SHIRT, right=False, offset=SECOND_AT, seed=seed)

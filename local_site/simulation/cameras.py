@@ -10,6 +10,7 @@ from msgspec import convert
 
 from common.geometry import Array
 from local_site.calibration.control_points import read_control_points
+from local_site.calibration.physical_camera import Lens, PhysicalCamera
 from local_site.calibration.rig import CameraCalibration, Projection, Rig
 from local_site.calibration.solve import solve_rig
 from local_site.simulation.config import SimulationConfig, StereoConfig
@@ -32,12 +33,16 @@ class PinholeCamera:
     k1: float
 
     @property
+    def physical(self) -> PhysicalCamera:
+        """The same camera as a calibration would find it."""
+        u, v = self.principal_px.tolist()
+        lens = Lens(self.focal_px, self.focal_px, u, v, self.k1)
+        return PhysicalCamera(lens, self.camera_R_operator, -self.camera_R_operator @ self.centre)
+
+    @property
     def projection(self) -> Array:
         """The 3 x 4 matrix from metres in the operator frame to undistorted pixels."""
-        u, v = self.principal_px
-        k = np.array([[self.focal_px, 0.0, u], [0.0, self.focal_px, v], [0.0, 0.0, 1.0]])
-        rotation = self.camera_R_operator
-        return k @ np.column_stack([rotation, -rotation @ self.centre])
+        return self.physical.projection
 
     def to_camera(self, points: Array) -> Array:
         """Points (..., 3) in the operator frame, in the camera's: x right, y down, z away, m."""
@@ -53,11 +58,12 @@ class PinholeCamera:
 
 def stereo_pair(config: StereoConfig) -> tuple[PinholeCamera, PinholeCamera]:
     """The left and the right camera, both looking at the volume's centre."""
-    left, right = (_looking_at_centre(config, sign * config.half_angle_deg) for sign in (-1.0, 1.0))
+    left, right = (looking_at_centre(config, sign * config.half_angle_deg) for sign in (-1.0, 1.0))
     return left, right
 
 
-def _looking_at_centre(config: StereoConfig, turn_deg: float) -> PinholeCamera:
+def looking_at_centre(config: StereoConfig, turn_deg: float) -> PinholeCamera:
+    """A camera that looks at the volume's centre, turned off the middle."""
     turn, rise = math.radians(turn_deg), math.radians(config.elevation_deg)
     away = np.array([-math.sin(turn) * math.cos(rise), math.cos(turn) * math.cos(rise), -math.sin(rise)])
     right = np.array([math.cos(turn), math.sin(turn), 0.0])

@@ -14,7 +14,7 @@ from local_site.calibration.accuracy import align_rigidly
 from local_site.calibration.board_rig import BoardPictures, solve_boards
 from local_site.calibration.boards import Board, BoardFinder
 from local_site.calibration.control_points import CAMERAS, ControlPoints
-from local_site.calibration.physical_camera import Lens, PhysicalCamera
+from local_site.calibration.physical_camera import PhysicalCamera
 from local_site.calibration.plate import Plate, plate_control_points, view_plate, without_perspective_bias
 from local_site.calibration.resection import solve_projection
 from local_site.calibration.rig import Rig
@@ -22,12 +22,11 @@ from local_site.calibration.solve import solve_rig
 from local_site.calibration.triangulation import triangulate_many
 from local_site.simulation.calibration_scenes.board_scene import SIZE, BoardRenderer
 from local_site.simulation.calibration_scenes.plate_scene import plate_picture
-from local_site.simulation.cameras import PLATE_HEIGHTS_M, PinholeCamera, stereo_pair
+from local_site.simulation.cameras import PLATE_HEIGHTS_M, stereo_pair
 from local_site.simulation.config import StereoConfig
 
 PLATE = Plate()
 BOARD = Board("chessboard", 9, 6, 0.06)  # as large as these cameras need to find its corners from 3 m
-SEES_ALL = StereoConfig(distance_m=3.0, elevation_deg=40.0, centre=(0.5, 0.5, 0.45))
 CREATED = "simulated"
 MEASURING_SEED, POSE_SEED = 11, 3
 
@@ -47,13 +46,8 @@ class PlateScene:
 
 def filming_cameras(k1: float) -> tuple[PhysicalCamera, ...]:
     """Two cameras that see the whole volume, through lenses of this radial distortion."""
-    return tuple(_physical(camera, k1) for camera in stereo_pair(SEES_ALL))
-
-
-def _physical(camera: PinholeCamera, k1: float) -> PhysicalCamera:
-    u, v = camera.principal_px.tolist()
-    rotation = camera.camera_R_operator
-    return PhysicalCamera(Lens(camera.focal_px, camera.focal_px, u, v, k1), rotation, -rotation @ camera.centre)
+    sees_all = StereoConfig(distance_m=3.0, elevation_deg=40.0, centre=(0.5, 0.5, 0.45), k1=k1)
+    return tuple(camera.physical for camera in stereo_pair(sees_all))
 
 
 def film_plate(k1: float, progress: Progress) -> PlateScene:

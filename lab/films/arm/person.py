@@ -10,11 +10,12 @@ from lab.films.arm.arm_mesh import ArmMesh
 from lab.films.arm.motions import ArmMotion
 from lab.films.arm.posing import PosedArm
 from lab.films.arm.postures import PostureName, posture_angles
-from lab.films.arm.skin import TONES, Tone, along_upper_arm, arm_albedo
+from lab.films.arm.skin import TONES, along_upper_arm, arm_albedo
 from lab.films.film import HandTruth
 from lab.films.picture.light import linear
 from local_site.kernels.rasterising import Triangles
 from local_site.simulation.body import ArmTruth
+from local_site.simulation.room.config import SkinName
 
 MIRROR_X = 0.53  # a left arm is a right one mirrored in the plane x = MIRROR_X
 RINGS, SPOKES = 18, 28
@@ -45,7 +46,7 @@ class FilmedPerson:
     mesh: ArmMesh
     motion: ArmMotion
     posture: PostureName
-    tone: Tone
+    tone: SkinName
     sleeve_srgb: tuple[int, int, int]
     right: bool = True
     offset: Array = field(default_factory=lambda: np.zeros(3))
@@ -117,7 +118,7 @@ def _beyond_shoulder(mesh: ArmMesh) -> NDArray[np.bool_]:
     return kept
 
 
-def body_of(shoulder: Array, cloth: Array, tone: Tone) -> ColouredSurface:
+def body_of(shoulder: Array, cloth: Array, tone: SkinName) -> ColouredSurface:
     """Torso, neck and head of a person whose right shoulder is at (3,) in m; `cloth` (3,) is linear RGB."""
     skin = linear(np.array(TONES[tone]))
     surfaces = [

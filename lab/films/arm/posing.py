@@ -30,15 +30,21 @@ class PosedArm:
 
     def vertices(self, pose: BodyPose, angles: Array) -> Array:
         """The drawn surface's vertices (F, 3) in m in the operator frame; finger angles (5, 4) in rad."""
-        rotations, offsets = self._bones(pose, angles)
+        rotations, offsets = self.bones(pose, angles)
         mesh = self._mesh
         turned = np.einsum("bij,vj->vbi", rotations, mesh.vertices) + offsets
         coarse = np.einsum("vb,vbi->vi", mesh.weights, turned)
         return np.asarray(mesh.fine @ coarse, dtype=np.float64)
 
+    def neutral_hand(self, pose: BodyPose) -> Array:
+        """Compute the hand's axes (3, 3) that go on straight from the forearm of a skeleton, turned as at rest."""
+        along = pose.wrist - pose.elbow
+        hinge = _unit(np.cross(along, pose.elbow - pose.shoulder))
+        return np.asarray(_frame(along, hinge) @ self._rest_forearm.T @ self._rest_hand, dtype=np.float64)
+
     def truth(self, pose: BodyPose, angles: Array, vertices: Array) -> ArmTruth:
         """Joint centres, and the outermost vertices along the last phalanges, of a surface in this pose."""
-        rotations, _ = self._bones(pose, angles)
+        rotations, _ = self.bones(pose, angles)
         index, thumb = (self._tip(name, rotations, vertices) for name in ("index", "thumb"))
         return ArmTruth(pose.elbow, pose.wrist, index, thumb, pose.openness > OPEN_ABOVE)
 
@@ -49,8 +55,8 @@ class PosedArm:
         tip: Array = skin[int(np.argmax(skin @ along))]
         return tip
 
-    def _bones(self, pose: BodyPose, angles: Array) -> tuple[Array, Array]:
-        """Of each bone, the rotation (B, 3, 3) and offset (B, 3) from rest into the operator frame."""
+    def bones(self, pose: BodyPose, angles: Array) -> tuple[Array, Array]:
+        """Compute of each bone the rotation (B, 3, 3) and offset (B, 3) in m from rest into the operator frame."""
         mesh = self._mesh
         rotations, offsets = np.empty((len(mesh.bones), 3, 3)), np.empty((len(mesh.bones), 3))
         along = pose.wrist - pose.elbow

@@ -1,17 +1,16 @@
 """The skin's colours: tones from light to dark, and the colour of every vertex of an arm."""
 
-from typing import Literal
-
 import numpy as np
 
 from common.geometry import Array
 from lab.films.arm.arm_mesh import ArmMesh
 from lab.films.picture.light import linear, vertex_normals
-
-Tone = Literal["light", "medium", "dark"]
+from local_site.simulation.room.config import SkinName
+from local_site.simulation.room.surface import TONES as SHADED
+from local_site.simulation.room.surface import Colour
 
 # sRGB of evenly lit skin on the back of the hand.
-TONES: dict[Tone, tuple[int, int, int]] = {"light": (226, 178, 152), "medium": (184, 130, 96), "dark": (108, 72, 52)}
+TONES: dict[SkinName, Colour] = {"light": SHADED["light"].back, "medium": (184, 130, 96), "dark": (108, 72, 52)}
 PALM_TOWARDS = np.array([1.06, 0.99, 0.97])  # palms are lighter and redder
 KNUCKLE_TOWARDS = np.array([1.0, 0.90, 0.88])
 NAIL_TOWARDS = np.array([1.08, 1.02, 1.03])
@@ -20,7 +19,7 @@ MOTTLE = 0.05
 SLEEVE_SHARE = 0.45  # of the upper arm, from the shoulder, that the sleeve covers
 
 
-def arm_albedo(mesh: ArmMesh, tone: Tone, sleeve_srgb: tuple[int, int, int], seed: int) -> Array:
+def arm_albedo(mesh: ArmMesh, tone: SkinName, sleeve_srgb: tuple[int, int, int], seed: int) -> Array:
     """The albedo (F, 3), linear BGR, of the drawn vertices: skin, palm, knuckles, nails, and a short sleeve."""
     random = np.random.default_rng(seed)
     rest = np.asarray(mesh.fine @ mesh.vertices)
@@ -35,7 +34,7 @@ def arm_albedo(mesh: ArmMesh, tone: Tone, sleeve_srgb: tuple[int, int, int], see
         if name.startswith("finger") and not name.endswith("1"):
             near = np.exp(-np.sum((rest - head) ** 2, axis=1) / 0.009**2)
             colour *= 1.0 + 0.8 * near[:, None] * (KNUCKLE_TOWARDS - 1.0)
-    colour *= 1.0 + (_nails(mesh, rest, outward, weights)[:, None]) * (NAIL_TOWARDS * 1.15 - 1.0)
+    colour *= 1.0 + (nail_share(mesh, rest, outward, weights)[:, None]) * (NAIL_TOWARDS * 1.15 - 1.0)
     colour *= 1.0 + MOTTLE * random.standard_normal((len(rest), 1)) * (0.6, 1.0, 1.0)
     colour[along_upper_arm(mesh, rest) < SLEEVE_SHARE] = linear(np.array(sleeve_srgb))
     return colour[:, ::-1].copy()
@@ -48,7 +47,7 @@ def along_upper_arm(mesh: ArmMesh, rest: Array) -> Array:
     return np.minimum(along, 1.0)
 
 
-def _nails(mesh: ArmMesh, rest: Array, outward: Array, weights: Array) -> Array:
+def nail_share(mesh: ArmMesh, rest: Array, outward: Array, weights: Array) -> Array:
     """Compute how much each vertex (F,) is nail: on the back of the last phalanges, towards their end."""
     nails, dorsal = np.zeros(len(rest)), mesh.hand_at_rest()[:, 2]
     for digit in range(1, 6):

@@ -1,19 +1,18 @@
 """The rigs that film: two to four cameras about the volume, exactly calibrated."""
 
-import math
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
 from msgspec import convert
 
-from local_site.calibration.physical_camera import Lens, PhysicalCamera
+from local_site.calibration.physical_camera import PhysicalCamera
 from local_site.calibration.rig import CameraCalibration, Projection, Rig
+from local_site.simulation.cameras import looking_at_centre
+from local_site.simulation.config import StereoConfig
 
 RigName = Literal["standard", "close", "wide", "high", "distorted", "four"]
 Size = tuple[int, int]
 
-CENTRE = np.array([0.5, 0.45, 0.5])
 STANDARD_WIDTH_PX = 640
 VOLUME_MIN, VOLUME_MAX = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
 NAMES = ("left", "right", "third", "fourth")
@@ -62,10 +61,12 @@ def film_rig(cameras: tuple[PhysicalCamera, ...], size: Size) -> Rig:
 
 
 def _camera(placing: Placing, size: Size) -> PhysicalCamera:
-    turn, rise = math.radians(placing.turn_deg), math.radians(placing.rise_deg)
-    away = np.array([-math.sin(turn) * math.cos(rise), math.cos(turn) * math.cos(rise), -math.sin(rise)])
-    right = np.array([math.cos(turn), math.sin(turn), 0.0])
-    rotation = np.vstack([right, np.cross(away, right), away])
-    focal = placing.focal_px * size[0] / STANDARD_WIDTH_PX
-    lens = Lens(focal, focal, (size[0] - 1) / 2, (size[1] - 1) / 2, placing.k1)
-    return PhysicalCamera(lens, rotation, -rotation @ (CENTRE - placing.distance_m * away))
+    config = StereoConfig(
+        width_px=size[0],
+        height_px=size[1],
+        focal_px=placing.focal_px * size[0] / STANDARD_WIDTH_PX,
+        distance_m=placing.distance_m,
+        elevation_deg=placing.rise_deg,
+        k1=placing.k1,
+    )
+    return looking_at_centre(config, placing.turn_deg).physical

@@ -1,1 +1,1 @@
-"""The rooms behind the arm, and how cameras see them."""
+"""The rooms behind the arm."""

@@ -23,14 +23,14 @@ from lab.films.picture.light import Lighting, lit
 from lab.films.picture.rendering import rendered
 from lab.films.room import furniture
 from local_site.calibration.physical_camera import Lens, PhysicalCamera
+from local_site.simulation.room.panels import Plane
+from local_site.simulation.room.scenery import ACROSS, DOWN, NEARER
 
 RoomName = Literal["plain", "office", "wood", "photograph", "fan", "poster"]
 
-# The wall is the plane y = WALL_Y, the desk z = DESK_Z, both in m in the operator frame.
-WALL_Y, WALL_LEFT, WALL_TOP = 1.75, -2.2, 2.2
-DESK_Z, DESK_LEFT, DESK_FRONT = 0.02, -0.9, -0.5
-WALL_SHAPE, WALL_PX_PER_M = (1600, 2600), 480.0
-DESK_SHAPE, DESK_PX_PER_M = (900, 1300), 480.0
+WALL_SHAPE, DESK_SHAPE = (1600, 2600), (900, 1300)
+WALL = Plane(480.0, np.array([-2.2, 1.75, 2.2]), ACROSS, DOWN)
+DESK = Plane(480.0, np.array([-0.9, -0.5, 0.02]), ACROSS, -NEARER)  # its picture begins at the front
 PHOTOGRAPH = Path(mpl.get_data_path()) / "sample_data" / "grace_hopper.jpg"  # public domain
 SHADE_PX = 8  # of the wall, to one of a shade
 FAN_AT, FAN_RADIUS = (1500, 560), 210

@@ -12,12 +12,10 @@ from local_site.simulation.body import ArmBody, Part, Solid
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.config import BodyConfig, MotionConfig
 from local_site.simulation.motion import Motion
-from local_site.simulation.room.arm import Arm
-from local_site.simulation.room.clothes import Shirt
 from local_site.simulation.room.config import RoomConfig
 from local_site.simulation.room.layer import Brush, ShadedBody
-from local_site.simulation.room.skin import TONES, Colour, reflectance
-from local_site.simulation.room.surface import Coat, between
+from local_site.simulation.room.person import Arm, Shirt
+from local_site.simulation.room.surface import TONES, Coat, Colour, between, reflectance
 
 # The second arm comes in from the other side: its x is mirrored, then it is moved, m.
 MIRROR, BESIDE = np.array([-1.0, 1.0, 1.0]), np.array([0.60, 0.30, -0.22])

@@ -4,9 +4,8 @@ import cv2
 import numpy as np
 
 from common.cameras.camera import Image
-from local_site.simulation.room.surroundings import INKS, clouds, opaque
+from local_site.simulation.room.surroundings import INKS, Colour, clouds, opaque
 
-Colour = tuple[int, int, int]
 LAMINATES: tuple[Colour, ...] = ((196, 200, 204), (150, 160, 168), (120, 134, 146), (212, 214, 214))
 BLACK: Colour = (38, 36, 35)
 

@@ -1,4 +1,4 @@
-"""A body that moves in the picture: its exact cover, what it looks like, and how both are laid on the picture."""
+"""A body that moves in the picture: its cover, its look in the office's light, and how both are laid on a picture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +13,12 @@ from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.rendering import FILL_EXCESS_PX, Box, Outlines, box_around, coverage, mean_picture, project
 from local_site.simulation.room.shading import Lamps, SeenBalls, Shader, lay_on
 from local_site.simulation.room.surface import Coat
+
+# To the lamps, in the operator frame: tubes above and before the operator; a window at the operator's left.
+DIRECTIONS = np.array([[-0.25, -0.60, 0.76], [0.85, -0.35, 0.40]])
+COLOURS = np.array([[0.50, 0.54, 0.56], [0.20, 0.17, 0.15]])  # blue, green, red
+AMBIENT = np.array([0.33, 0.33, 0.34])
+UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,9 +49,9 @@ class ShadedLayer:
 class Brush:
     """Draws bodies on the pictures of one camera of `size` (W, H)."""
 
-    def __init__(self, camera: PinholeCamera, lamps: Lamps, size: tuple[int, int], blur_sigma_px: float) -> None:
+    def __init__(self, camera: PinholeCamera, size: tuple[int, int], blur_sigma_px: float) -> None:
         self._camera, self._size, self._blur_px = camera, size, blur_sigma_px
-        self._shader = Shader(lamps, size)
+        self._shader = Shader(_lamps(camera.camera_R_operator), size)
 
     def draw(self, image: Image, exposures: Sequence[ShadedBody]) -> None:
         """Draw a body, seen at instants spread over one exposure, on a BGR picture (H, W, 3)."""
@@ -67,6 +73,11 @@ class Brush:
 
     def _shade(self, body: ShadedBody, outlines: Outlines, box: Box) -> Image:
         return self._shader.shade(_seen(body, self._camera, box), body.coat, coverage(outlines, body.parts, box))
+
+
+def _lamps(camera_R_operator: Array) -> Lamps:
+    directions = DIRECTIONS / np.linalg.norm(DIRECTIONS, axis=1, keepdims=True)
+    return Lamps(directions @ camera_R_operator.T, COLOURS, AMBIENT, camera_R_operator @ UP)
 
 
 def _seen(body: ShadedBody, camera: PinholeCamera, box: Box) -> SeenBalls:

@@ -12,15 +12,13 @@ from common.geometry import Array
 from local_site.simulation.body import ArmBody, BodyPose
 from local_site.simulation.cameras import PinholeCamera
 from local_site.simulation.config import SimulationConfig
-from local_site.simulation.room.arm import Arm
 from local_site.simulation.room.bystanders import Face, SecondArm
-from local_site.simulation.room.clothes import Shirt, is_before
 from local_site.simulation.room.config import DisturbanceName
-from local_site.simulation.room.lamps import office_lamps
 from local_site.simulation.room.layer import Brush, ShadedLayer
 from local_site.simulation.room.moving_things import Fan, Shadows
-from local_site.simulation.room.panels import Panel
-from local_site.simulation.room.scenery import draw_office, office
+from local_site.simulation.room.panels import Panel, film
+from local_site.simulation.room.person import Arm, Shirt, is_before
+from local_site.simulation.room.scenery import office
 from local_site.simulation.room.surface import STRETCHED
 
 NOISE_ROOM_PX = 128
@@ -66,11 +64,11 @@ class RoomView:
     ) -> None:
         size, room = (config.stereo.width_px, config.stereo.height_px), config.room
         self._camera = camera
-        self._brush = Brush(camera, office_lamps(camera), size, config.picture.blur_sigma_px)
+        self._brush = Brush(camera, size, config.picture.blur_sigma_px)
         self._arm = Arm(body, room, np.random.default_rng(config.seed))
         self._shirt = Shirt(body, np.random.default_rng(config.seed))
         self._disturbances = make_disturbances(room.disturbances, camera, self._brush, size, config.seed)
-        self._room = draw_office(panels, camera, size)
+        self._room = film(panels, camera, size)
         for disturbance in self._disturbances:
             disturbance.stand(self._room)
         self._is_covered = room.sleeve == "long"

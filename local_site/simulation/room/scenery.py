@@ -1,31 +1,29 @@
-"""The office behind the operator, drawn from a random generator: which furniture stands where."""
+"""The office behind the operator, drawn from a random generator: what stands and hangs where."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 
-import cv2
 import numpy as np
 
 from common.cameras.camera import Image
 from common.geometry import Array
+from local_site.simulation.body import ArmBody, BodyPose
 from local_site.simulation.cameras import PinholeCamera
-from local_site.simulation.room import furniture, lookalikes, surroundings
-from local_site.simulation.room.config import DisturbanceName
-from local_site.simulation.room.panels import Panel, film, lines_of_sight
-from local_site.simulation.room.surroundings import opaque
+from local_site.simulation.config import BodyConfig
+from local_site.simulation.room import furniture, surroundings
+from local_site.simulation.room.config import DisturbanceName, RoomConfig
+from local_site.simulation.room.layer import Brush
+from local_site.simulation.room.panels import Panel, Plane
+from local_site.simulation.room.person import Arm
+from local_site.simulation.room.surroundings import PAPER, opaque
 
 WALL_Y, FLOOR_Z = 2.6, -0.80
 WALL_X, WALL_TOP_Z, WALL_WIDTH = -3.4, 1.5, 8.0
 DESK_Y, DESK_DEEP, DESK_Z = 1.75, 0.75, -0.06
 ACROSS, DOWN, NEARER = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, -1.0]), np.array([0.0, -1.0, 0.0])
-DEFOCUS = 0.0016  # sigma of the blur behind the operator, of the picture's width
 PX_PER_M, FLOOR_PX_PER_M = 320.0, 150.0
-POSTER_M = 0.42
-
-
-def draw_office(panels: Sequence[Panel], camera: PinholeCamera, size: tuple[int, int]) -> Image:
-    """The empty office (H, W, 3) BGR as a camera sees it, out of focus."""
-    picture = film(panels, camera.centre, lines_of_sight(camera, size))
-    return np.asarray(cv2.GaussianBlur(picture, (0, 0), DEFOCUS * size[0]), dtype=np.uint8)
+POSTER_M, FULL_HAND_M = 0.42, 0.34
+FOCAL_PX_PER_PX = 3.0
+PALM_TO_VIEWER = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 
 
 def office(random: np.random.Generator, also: Collection[DisturbanceName] = ()) -> list[Panel]:
@@ -33,7 +31,7 @@ def office(random: np.random.Generator, also: Collection[DisturbanceName] = ()) 
     floor = surroundings.floor(random, FLOOR_PX_PER_M, WALL_WIDTH, WALL_Y + 1.0)
     wall = surroundings.wall(random, PX_PER_M, WALL_WIDTH, WALL_TOP_Z - FLOOR_Z)
     panels = [
-        Panel(floor, FLOOR_PX_PER_M, np.array([WALL_X, WALL_Y, FLOOR_Z]), ACROSS, NEARER),
+        Panel(floor, Plane(FLOOR_PX_PER_M, np.array([WALL_X, WALL_Y, FLOOR_Z]), ACROSS, NEARER)),
         _panel(wall, (WALL_X, WALL_Y, WALL_TOP_Z), DOWN),
     ]
     side = float(random.choice([-1.0, 1.0]))
@@ -49,12 +47,30 @@ def _lookalikes(random: np.random.Generator, also: Collection[DisturbanceName]) 
     """Wood behind the operator's hand, and a poster of a hand."""
     panels = []
     if "wood" in also:
-        boards = lookalikes.wood(random, PX_PER_M, 1.5, 2.0)
+        boards = surroundings.wood(random, PX_PER_M, 1.5, 2.0)
         panels.append(_panel(boards, (-0.3, WALL_Y - 0.45, FLOOR_Z + 2.0), DOWN))
     if "hand_poster" in also:
-        sheet = opaque(lookalikes.hand_poster(random, round(POSTER_M * PX_PER_M)))
+        sheet = opaque(_hand_poster(random, round(POSTER_M * PX_PER_M)))
         panels.append(_panel(sheet, (0.72, WALL_Y - 0.46, 0.86), DOWN))
     return panels
+
+
+def _hand_poster(random: np.random.Generator, width: int) -> Image:
+    """A sheet (H, W, 3) with the picture of a raised hand."""
+    height = round(1.3 * width)
+    sheet = np.full((height, width, 3), PAPER, np.uint8)
+    focal = FOCAL_PX_PER_PX * width
+    camera = PinholeCamera(
+        camera_R_operator=np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+        centre=np.array([0.0, -FULL_HAND_M * FOCAL_PX_PER_PX, 0.06]),
+        focal_px=focal,
+        principal_px=np.array([width / 2, height / 2]),
+        k1=0.0,
+    )
+    arm = Arm(ArmBody(BodyConfig()), RoomConfig(scene="office", skin="light"), random)
+    raised = BodyPose(np.array([0.1, 0.3, -0.5]), np.array([0.02, 0.05, -0.28]), np.zeros(3), PALM_TO_VIEWER, 1.0)
+    Brush(camera, (width, height), 0.6).draw(sheet, [arm.posed(raised)])
+    return sheet
 
 
 def _desk(random: np.random.Generator, middle_x: float) -> list[Panel]:
@@ -77,4 +93,4 @@ def _desk(random: np.random.Generator, middle_x: float) -> list[Panel]:
 
 
 def _panel(picture: Image, corner: tuple[float, float, float], down: Array) -> Panel:
-    return Panel(picture, PX_PER_M, np.array(corner), ACROSS, down)
+    return Panel(picture, Plane(PX_PER_M, np.array(corner), ACROSS, down))

@@ -1,5 +1,6 @@
-"""The arm's surface for shading: many balls between those of the solid, each with its colours and its back."""
+"""The arm's surface for shading: many balls between those of the solid, each with its back and its colours of skin."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -9,7 +10,9 @@ from numpy.typing import NDArray
 from common.geometry import Array
 from local_site.simulation.body import ArmBody, BodyPose, Part
 from local_site.simulation.hand import DIGITS
-from local_site.simulation.room.skin import SkinTone, reflectance
+from local_site.simulation.room.config import SkinName
+
+Colour = tuple[int, int, int]
 
 SPACING = 0.5  # of the smaller radius: closer balls would look no smoother
 MOTTLE = 0.035
@@ -18,6 +21,23 @@ CREASE = 0.80
 SKIN_TURN, NAIL_TURN = (0.5, 0.9), (-2.6, 5.0)
 # Any pose does to count the balls that fit between two.
 STRETCHED = BodyPose(np.zeros(3), np.array([0.0, 0.1, -0.3]), np.array([0.3, 0.0, -0.3]), np.eye(3), openness=1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class SkinTone:
+    """Colours as pictures show them in full light: red, green, blue, 0 to 255."""
+
+    back: Colour
+    palm: Colour
+    nail: Colour
+    flush: Colour
+
+
+TONES: Mapping[SkinName, SkinTone] = {
+    "light": SkinTone(back=(226, 178, 152), palm=(232, 184, 164), nail=(240, 202, 190), flush=(224, 158, 136)),
+    "medium": SkinTone(back=(192, 140, 106), palm=(210, 160, 132), nail=(220, 174, 152), flush=(182, 120, 92)),
+    "dark": SkinTone(back=(124, 84, 62), palm=(176, 130, 106), nail=(178, 134, 118), flush=(106, 66, 48)),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +81,12 @@ class ArmSurface:
         palm += 0.6 * at_end[:, None] * (flush - palm)
         nail = at_end > NAIL_FROM
         back[nail], turn[nail] = reflectance(tone.nail), NAIL_TURN
+
+
+def reflectance(colour: Colour) -> Array:
+    """The fraction of light (3,) that a surface of this colour throws back, in the order blue, green, red."""
+    linear: Array = (np.array(colour[::-1]) / 255.0) ** 2.2
+    return linear
 
 
 def between(parts: tuple[Part, ...], centres: Array, radii: Array, spacing: float = SPACING) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Pictures of wall and floor, (H, W, 4) BGR and cover: paint, a door, posters, shadows; carpet or boards."""
+"""Pictures of wall and floor, (H, W, 4) BGR and cover: paint, a door, posters, shadows; carpet; boards of wood."""
 
 import cv2
 import numpy as np
@@ -12,6 +12,8 @@ Colour = tuple[int, int, int]
 PAINTS: tuple[Colour, ...] = ((206, 212, 214), (188, 204, 216), (208, 206, 192), (186, 190, 196), (176, 198, 190))
 INKS: tuple[Colour, ...] = ((150, 84, 36), (52, 60, 168), (70, 120, 50), (60, 60, 60), (40, 140, 205))
 CARPETS: tuple[Colour, ...] = ((108, 98, 90), (92, 96, 104), (110, 100, 78))
+WOODS = ((112, 150, 198), (96, 132, 186), (124, 164, 210))  # of skin's colours
+BOARD_M = 0.14
 PAPER: Colour = (232, 236, 238)
 
 
@@ -54,6 +56,20 @@ def floor(random: np.random.Generator, px_per_m: float, width_m: float, deep_m: 
     shades = 1.0 + 0.05 * random.standard_normal((rows.max() + 1, columns.max() + 1), dtype=np.float32)
     level = shades[rows, columns] + np.float32(0.05) * random.standard_normal(shape, dtype=np.float32)
     return opaque(level[:, :, None] * np.array(CARPETS[random.integers(len(CARPETS))], np.float32))
+
+
+def wood(random: np.random.Generator, px_per_m: float, width_m: float, height_m: float) -> Image:
+    """Upright boards with grain, in the colours of skin."""
+    shape = round(height_m * px_per_m), round(width_m * px_per_m)
+    column = np.arange(shape[1])
+    board = column // round(BOARD_M * px_per_m)
+    shades = np.array(WOODS)[random.integers(len(WOODS), size=board.max() + 1)] * random.uniform(
+        0.86, 1.04, (board.max() + 1, 1)
+    )
+    grain = clouds(random, (shape[0] // 16 + 1, shape[1]), 4.0).repeat(16, axis=0)[: shape[0]]
+    level = 1.0 + 0.05 * grain + 0.03 * clouds(random, shape, 60.0)
+    level[:, column % round(BOARD_M * px_per_m) < 2] *= 0.6
+    return opaque(level[:, :, None] * shades[board])
 
 
 def poster(random: np.random.Generator, width: int) -> Image:

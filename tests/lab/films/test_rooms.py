@@ -6,22 +6,8 @@ import numpy as np
 import pytest
 
 from lab.films.picture.rigs import film_cameras
-from lab.films.room.backdrop import SeenRoom
-from lab.films.room.rooms import (
-    DESK_FRONT,
-    DESK_LEFT,
-    DESK_PX_PER_M,
-    DESK_SHAPE,
-    DESK_Z,
-    WALL_LEFT,
-    WALL_PX_PER_M,
-    WALL_SHAPE,
-    WALL_TOP,
-    WALL_Y,
-    FurnishedRoom,
-    RoomName,
-    furnished,
-)
+from lab.films.room.rooms import DESK, DESK_SHAPE, WALL, WALL_SHAPE, FurnishedRoom, RoomName, furnished
+from lab.films.surroundings import SeenRoom
 
 SIZE = (320, 240)
 RED, GREEN = (0, 0, 255), (0, 255, 0)
@@ -35,13 +21,18 @@ def test_a_room_is_another_for_each_seed_and_the_same_for_one(name):
     assert not np.array_equal(one.desk, other.desk)
 
 
+def _px(plane, point):
+    """Where a point (3,) in m lies on a plane's picture."""
+    return (round(plane.px_per_m * (point - plane.corner) @ axis) for axis in (plane.across, plane.down))
+
+
 @pytest.mark.parametrize("rig", ["standard", "distorted"])
 def test_every_camera_sees_points_of_wall_and_desk_where_they_are(rig):
     wall, desk = np.zeros((*WALL_SHAPE, 3), np.uint8), np.zeros((*DESK_SHAPE, 3), np.uint8)
-    on_wall, on_desk = np.array([0.3, WALL_Y, 0.6]), np.array([0.45, 0.8, DESK_Z])
-    x, y = round((on_wall[0] - WALL_LEFT) * WALL_PX_PER_M), round((WALL_TOP - on_wall[2]) * WALL_PX_PER_M)
+    on_wall, on_desk = np.array([0.3, WALL.corner[1], 0.6]), np.array([0.45, 0.8, DESK.corner[2]])
+    x, y = _px(WALL, on_wall)
     wall[y - 15 : y + 16, x - 15 : x + 16] = RED
-    x, y = round((on_desk[0] - DESK_LEFT) * DESK_PX_PER_M), round((on_desk[1] - DESK_FRONT) * DESK_PX_PER_M)
+    x, y = _px(DESK, on_desk)
     desk[y - 15 : y + 16, x - 15 : x + 16] = GREEN
     for camera in film_cameras(rig, SIZE):
         picture = SeenRoom(FurnishedRoom(wall, desk), camera, SIZE).at(0.0)

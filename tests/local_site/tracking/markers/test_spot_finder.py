@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from common.cameras.camera import Frame
-from local_site.calibration.physical_camera import Lens
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import StereoConfig
@@ -48,13 +47,10 @@ def test_views_are_interpolated_at_their_weight():
 
 
 def test_spots_behind_a_bending_lens_are_straightened():
-    config = StereoConfig(k1=-0.2)
-    camera = stereo_pair(config)[0]
-    column, row = map(float, camera.principal_px)
-    lens = Lens(config.focal_px, config.focal_px, column, row, k1=config.k1)
+    camera = stereo_pair(StereoConfig(k1=-0.2))[0]
     points = hand_at((0.15, 0.0, 0.1))
     calibration = rig_of([camera, camera]).cameras[0]
-    bent = calibration.__class__(calibration.name, calibration.projection, 0.3, lens)
+    bent = calibration.__class__(calibration.name, calibration.projection, 0.3, camera.physical.lens)
     found = SpotFinder(bent, 40).spots(View(Frame(draw(camera, points), 0, 0)))
     assert isinstance(found, Spots)
     for pixel in project(camera.projection, points):

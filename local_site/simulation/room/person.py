@@ -1,13 +1,15 @@
-"""The operator's clothes: a shirt about shoulder and chest, and its sleeve, which begins where the bare arm ends."""
+"""A person's bodies to be drawn: the bare arm and its watch; the shirt, whose sleeve begins where the bare arm ends."""
 
 import numpy as np
 
 from common.geometry import Array
 from local_site.simulation.body import ArmBody, BodyPose, Part, Solid
+from local_site.simulation.room.config import RoomConfig
 from local_site.simulation.room.layer import ShadedBody
-from local_site.simulation.room.skin import Colour, reflectance
-from local_site.simulation.room.surface import STRETCHED, Coat, between
+from local_site.simulation.room.surface import STRETCHED, TONES, ArmSurface, Coat, Colour, between, reflectance
 
+WATCH_AT = 7  # of the forearm's sections
+STRAP, GLASS, GLASS_TURN = (34, 36, 40), (120, 132, 140), (-4.2, 7.0)
 SHIRTS: tuple[Colour, ...] = ((58, 84, 120), (92, 104, 92), (120, 60, 62), (70, 70, 76), (188, 190, 194))
 FOLDS = 0.06
 SLEEVE_SECTIONS = 8  # of the forearm's nine: a long sleeve ends before the wrist
@@ -26,6 +28,22 @@ CHEST = np.array(
     ]
 )
 CHEST_RADII = np.array([0.062, 0.062, 0.105, 0.105, 0.110, 0.110])
+
+
+class Arm:
+    """A bare arm's body by its pose."""
+
+    def __init__(self, body: ArmBody, room: RoomConfig, random: np.random.Generator) -> None:
+        self._body = body
+        self._surface = ArmSurface(body)
+        self._coat = self._surface.coat(TONES[room.skin], random)
+        if room.watch:
+            _put_on_watch(self._coat, self._surface)
+
+    def posed(self, pose: BodyPose) -> ShadedBody:
+        """The arm in a pose."""
+        solid = self._body.solid(pose)
+        return ShadedBody(solid, self._body.parts, self._surface.weights, self._body.backs(pose), self._coat)
 
 
 class Shirt:
@@ -73,6 +91,12 @@ def is_before(sleeve: ShadedBody, centre: Array) -> bool:
     """Return whether a camera at `centre` (3,) in m sees the sleeve before the arm's end, not the other way round."""
     rim, shoulder = sleeve.solid.rim.mean(axis=0), sleeve.solid.centres[0]
     return bool((centre - rim) @ (shoulder - rim) > 0.0)
+
+
+def _put_on_watch(coat: Coat, surface: ArmSurface) -> None:
+    """A dark strap round the wrist and bright glass on its back."""
+    worn = surface.weights[:, 2 * WATCH_AT : 2 * WATCH_AT + 2].sum(axis=1) > 0.5
+    coat.palm[worn], coat.back[worn], coat.turn[worn] = reflectance(STRAP), reflectance(GLASS), GLASS_TURN
 
 
 def _without_hand(limb: Part) -> Part:
