@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from common.clock import NS_PER_MS
 from common.geometry import Array
@@ -13,6 +14,7 @@ COLUMNS = ("x_mm", "y_mm", "z_mm", "xy_deg", "xz_deg")
 POSITION, ANGLES = slice(0, 3), slice(3, 5)
 LAGS_MS = np.arange(0.0, 2001.0, 2.0)
 GRID_NS = 10 * NS_PER_MS
+Times = NDArray[np.integer | np.floating]  # whole ns, and those less a lag
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,11 +26,11 @@ class Curves:
     the gripper's openings at `frames_ns`, NaN without a gripper, and `hand_open` is whether the hand was seen open.
     """
 
-    frames_ns: Array
+    frames_ns: Times
     hand_true: Array
     hand_measured: Array
     tool: Array
-    truth_ns: Array
+    truth_ns: Times
     truth: Array
     gripper_mm: Array
     hand_open: Array
@@ -70,7 +72,7 @@ def gripper_figures(openings_mm: Array) -> Figures:
     return {"gripper_mm": {"at_first": rounded(first), "least": rounded(least), "in_the_end": rounded(last)}}
 
 
-def rows_at(times_ns: Array, known_ns: Array, rows: Array) -> Array:
+def rows_at(times_ns: Times, known_ns: Times, rows: Array) -> Array:
     """Rows (N, 5) at other times, interpolated; rows with NaN are left out."""
     known = np.isfinite(rows).all(axis=1)
     return np.column_stack([np.interp(times_ns, known_ns[known], rows[known, k]) for k in range(rows.shape[1])])
@@ -93,7 +95,7 @@ def follow_figures(curves: Curves, from_ns: int) -> Figures:
     }
 
 
-def _behind(frames_ns: Array, tool: Array, hand_ns: Array, hand: Array) -> Figures:
+def _behind(frames_ns: Times, tool: Array, hand_ns: Times, hand: Array) -> Figures:
     """The lags at which the curves fit best, for position and angles; the residual there, and without any lag.
 
     A constant offset, as of the tracker, makes no lag: the search removes it, the residual keeps it.

@@ -36,7 +36,7 @@ def test_every_control_is_reached_by_tab_with_the_stop_first(told: Told) -> None
     page = told.page.page
     told.until("the controls", lambda: "you operate" in told.page.words("#seat") and page.is_visible("#hold"))
     page.evaluate("() => { const top = document.querySelector('header'); top.tabIndex = -1; top.focus(); }")
-    reached = []
+    reached: list[str] = []
     for _ in range(40):
         page.keyboard.press("Tab")
         focused = page.evaluate(

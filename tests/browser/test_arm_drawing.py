@@ -1,7 +1,9 @@
 """The arm in 3D: what is painted over what, arcs and words of joints near a limit, fingers, shadows, what is seen."""
 
 import base64
+from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import cv2
 import msgspec
@@ -9,10 +11,12 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from common.messages.robot import GripperCommand, GripperState, GripperStatus, SessionState
+from common.geometry import Array
+from common.messages.robot import GripperCommand, GripperState, GripperStatus, RobotState, SessionState
 from lab.measure.page import scene
 from local_site.console.hub import Hub
 from tests.browser.told import Told
+from tests.present import present
 
 CELL = scene.cell()
 LIMITS = [(joint.lower, joint.upper) for joint in CELL.joints]
@@ -22,7 +26,7 @@ BLOCK = {"lower": [0.0, 0.0, 0.0], "upper": [1.0, 1.0, 0.5]}
 SLIDE = {"name": "rail", "lower": 0.0, "upper": 2.0, "slides": True}
 
 
-def computed(told: Told, module: str, call: str, *values: object):
+def computed(told: Told, module: str, call: str, *values: object) -> Any:
     """What a function of one of the page's modules gives; `call` uses `m`, the module, and `v`, the values."""
     plain = msgspec.to_builtins(values)
     return told.page.page.evaluate(
@@ -30,18 +34,18 @@ def computed(told: Told, module: str, call: str, *values: object):
     )
 
 
-def capsule(*ends: tuple[float, float, float]):
+def capsule(*ends: tuple[float, float, float]) -> dict[str, object]:
     return {"start": ends[0], "end": ends[-1], "radius": 0.05}
 
 
-def engaged(q, **changes: object):
+def engaged(q: Array, **changes: object) -> Callable[..., RobotState | None]:
     """A state with the arm at rest in a posture (rad)."""
     posture = tuple(np.asarray(q, float).tolist())
     changes = {"q": posture, "q_commanded": posture, "target": None} | changes
     return partial(scene.state, SessionState.ENGAGED, "ok", "the arm follows the hand", **changes)
 
 
-def near(joint: int, degrees: float):
+def near(joint: int, degrees: float) -> Array:
     """The start posture with one joint short of its upper limit."""
     q = scene.CONFIG.robot.start.copy()
     q[joint] = LIMITS[joint][1] - np.radians(degrees)
@@ -59,7 +63,9 @@ def near(joint: int, degrees: float):
         ((0.5, 0.5, 0.2), None),  # within it
     ],
 )
-def test_a_capsule_is_behind_a_box_where_a_face_that_the_eye_does_not_see_separates_them(told, point, behind) -> None:
+def test_a_capsule_is_behind_a_box_where_a_face_that_the_eye_does_not_see_separates_them(
+    told: Told, point: tuple[float, float, float], behind: bool | None
+) -> None:
     eye = [2.0, -3.0, 2.0]
     assert computed(told, "depth_order", "m.isBehindBox(...v)", capsule(point), BLOCK, eye) is behind
 
@@ -88,7 +94,9 @@ def test_items_that_each_have_to_precede_another_are_all_painted_once(told: Told
     ("degrees", "found"), [(20.0, None), (15.5, None), (14.5, False), (4.5, False), (3.5, True), (-1.0, True)]
 )
 @pytest.mark.parametrize("upward", [True, False])
-def test_a_joint_is_near_its_limit_from_15_degrees_on_and_at_it_from_4(told, degrees, found, upward) -> None:
+def test_a_joint_is_near_its_limit_from_15_degrees_on_and_at_it_from_4(
+    told: Told, degrees: float, found: bool | None, upward: bool
+) -> None:
     q = scene.CONFIG.robot.start.copy()
     lower, upper = LIMITS[2]
     q[2] = upper - np.radians(degrees) if upward else lower + np.radians(degrees)
@@ -179,7 +187,9 @@ def test_a_shadow_is_straight_below_and_on_the_highest_top(told: Told) -> None:
 
 
 @pytest.mark.parametrize("size", [(300, 220), (560, 420), (220, 500)])
-def test_the_base_and_nearly_the_whole_workspace_are_seen_from_the_first_view(told: Told, size) -> None:
+def test_the_base_and_nearly_the_whole_workspace_are_seen_from_the_first_view(
+    told: Told, size: tuple[int, int]
+) -> None:
     sight = """(() => { const orbit = new m.Orbit(document.createElement('canvas'), () => {});
       orbit.show(v[0].workspace_min, v[0].workspace_max);
       const { project } = orbit.sight(v[1], v[2]); return v[3].map(project); })()"""
@@ -198,7 +208,7 @@ PICTURE = "() => document.getElementById('arm').toDataURL().split(',')[1]"
 def drawn(told: Told) -> np.ndarray:
     """The canvas's pixels (n, 4): red, green, blue, alpha."""
     png = np.frombuffer(base64.b64decode(told.page.page.evaluate(PICTURE)), np.uint8)
-    return cv2.imdecode(png, cv2.IMREAD_UNCHANGED)[:, :, [2, 1, 0, 3]].reshape(-1, 4).astype(int)
+    return present(cv2.imdecode(png, cv2.IMREAD_UNCHANGED))[:, :, [2, 1, 0, 3]].reshape(-1, 4).astype(int)
 
 
 def close_to(pixels: np.ndarray, hexed: str) -> int:
@@ -208,7 +218,7 @@ def close_to(pixels: np.ndarray, hexed: str) -> int:
 
 
 @pytest.fixture
-def small(told: Told):
+def small(told: Told) -> Iterator[Told]:
     """A small canvas on a dark page, put back afterwards."""
     told.page.wear("dark")
     told.page.page.evaluate(SIZE, [300, 220])
@@ -219,7 +229,9 @@ def small(told: Told):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("degrees", "tone", "other"), [(10.0, "#f2bd4b", "#ff8a80"), (3.0, "#ff8a80", "#f2bd4b")])
-def test_a_joint_near_its_limit_is_named_and_seen_in_its_colour(small: Told, degrees, tone, other) -> None:
+def test_a_joint_near_its_limit_is_named_and_seen_in_its_colour(
+    small: Told, degrees: float, tone: str, other: str
+) -> None:
     small.state = engaged(near(4, degrees))
     words = f"joint_5 {degrees:.0f}° from its limit"
     small.until("the joint's name", lambda: words in small.page.words("#arm-words"))

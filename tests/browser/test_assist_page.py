@@ -52,7 +52,7 @@ def drawn(told: Told, camera: str) -> np.ndarray:
     height, width = scene.SIZE
     scale = min(found["width"] / width, found["height"] / height)
     margin = (np.array([found["width"], found["height"]]) - scale * np.array([width, height])) / 2
-    return (np.array(found["points"]).reshape(-1, 2) + 0.5 - margin) / scale
+    return np.asarray((np.array(found["points"]).reshape(-1, 2) + 0.5 - margin) / scale)
 
 
 def outline(told: Told, camera: str) -> np.ndarray:

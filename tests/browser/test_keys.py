@@ -1,14 +1,14 @@
 """A key acts only while its button is shown; Esc stops on every page, in every state and at every size."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import pytest
 from msgspec.structs import replace
 
 from common.messages.requests import EngagementAction
-from common.messages.robot import Readiness, SessionState
+from common.messages.robot import Readiness, RobotState, SessionState
 from lab.measure.page import scene
 from lab.measure.page.screenshots import STATES
 from local_site.console.hub import Hub
@@ -25,7 +25,7 @@ SLEEPS = partial(
     readiness=Readiness(False, "robot_not_ready", ASLEEP, False),
 )
 CLUTCHED = partial(scene.state, SessionState.HOLDING, "clutched", "the clutch is held: the arm stays")
-SHOWN = {
+SHOWN: dict[str, tuple[Callable[..., RobotState | None], str]] = {
     "fault": (STATES["fault"], "r"),
     "stopped": (STATES["stopped"], "r"),
     "robot stopped by itself": (SLEEPS, "r"),

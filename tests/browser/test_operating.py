@@ -3,6 +3,7 @@
 import os
 import re
 import signal
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -10,25 +11,27 @@ import numpy as np
 import pytest
 
 from common.messages.robot import SessionState
+from tests.browser.conftest import Stand
 from tests.browser.opened_page import READING_MS, OpenedPage
 from tests.integration.sites import descendants
+from tests.present import present
 
 STOP_WITHIN_S = 30.0  # that it comes, not how soon, which a busy machine decides
 ENDS_WITHIN_S = 10.0  # two where a machine has nothing else to do
 
 
-def at_rest(stand) -> bool:
+def at_rest(stand: Stand) -> bool:
     commanded = [state.q_commanded for state in stand.sites.record.states[-10:]]
     return all(q == commanded[0] for q in commanded)
 
 
-def stops(stand) -> None:
+def stops(stand: Stand) -> None:
     """The arm is disengaged and comes to rest."""
     stand.sites.wait("the stop", lambda: stand.sites.is_in(SessionState.DISENGAGED), STOP_WITHIN_S)
     stand.sites.wait("rest", lambda: at_rest(stand), STOP_WITHIN_S)
 
 
-def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(stand, page) -> None:
+def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(stand: Stand, page: OpenedPage) -> None:
     page.wait_for_live_views()
     before, posture = page.pictures(), stand.sites.state.q
     page.hold(until=lambda: np.abs(np.subtract(stand.sites.state.q, posture)).max() > 0.05)
@@ -43,7 +46,7 @@ def test_the_space_bar_moves_the_arm_and_the_pictures_and_letting_go_stops_both(
 
 
 @pytest.mark.slow
-def test_freezing_the_tab_stops_the_arm_and_it_needs_a_new_press(stand, page) -> None:
+def test_freezing_the_tab_stops_the_arm_and_it_needs_a_new_press(stand: Stand, page: OpenedPage) -> None:
     page.hold()
     page.page.evaluate("() => { const until = performance.now() + 900; while (performance.now() < until); }")
     stops(stand)
@@ -54,13 +57,13 @@ def test_freezing_the_tab_stops_the_arm_and_it_needs_a_new_press(stand, page) ->
 
 
 @pytest.mark.slow
-def test_hiding_the_tab_lets_go(stand, page) -> None:
+def test_hiding_the_tab_lets_go(stand: Stand, page: OpenedPage) -> None:
     page.hold()
     page.page.evaluate("() => document.dispatchEvent(new Event('visibilitychange'))")
     stops(stand)
 
 
-def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, page) -> None:
+def test_escape_stops_the_arm_is_acknowledged_and_latches(stand: Stand, page: OpenedPage) -> None:
     page.hold()
     page.page.keyboard.press("Escape")
     stops(stand)
@@ -79,7 +82,9 @@ def test_escape_stops_the_arm_is_acknowledged_and_latches(stand, page) -> None:
 
 
 @pytest.mark.slow
-def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_the_arm(stand, page, open_page) -> None:
+def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_the_arm(
+    stand: Stand, page: OpenedPage, open_page: Callable[[], OpenedPage]
+) -> None:
     watching = open_page()
     page.wait_for("the controls", lambda: "you operate" in page.words("#seat"))
     number = re.findall(r"page (\d+)", page.words("#seat"))[0]
@@ -111,9 +116,9 @@ def test_a_second_page_only_stops_until_it_has_the_controls_and_its_end_stops_th
 
 
 @pytest.mark.slow
-def test_scales_locks_and_new_origins_reach_the_arm_and_outlast_a_reload(stand, page) -> None:
+def test_scales_locks_and_new_origins_reach_the_arm_and_outlast_a_reload(stand: Stand, page: OpenedPage) -> None:
     page.wait_until_ready()
-    in_force = lambda: stand.sites.state.settings  # noqa: E731  # short, and used as such
+    in_force = lambda: present(stand.sites.state.settings)  # noqa: E731  # short, and used as such
     page.page.fill("#scale", "0.5")
     page.wait_for("the scale", lambda: in_force().scale == 0.5)
     page.page.click("[data-lock=roll]")
@@ -134,7 +139,7 @@ def test_scales_locks_and_new_origins_reach_the_arm_and_outlast_a_reload(stand, 
     page.wait_for("both to be taken back", lambda: in_force().scale == 1.0 and not in_force().locks.roll)
 
 
-def test_the_tool_is_drawn_where_it_is(stand, page) -> None:
+def test_the_tool_is_drawn_where_it_is(stand: Stand, page: OpenedPage) -> None:
     page.wait_for("the arm", lambda: "tool at" in page.words("#arm-words"))
 
     def is_shown() -> bool:
@@ -144,7 +149,7 @@ def test_the_tool_is_drawn_where_it_is(stand, page) -> None:
     page.wait_for("the tool where it is", is_shown)
 
 
-def test_a_view_is_enlarged_by_its_number_and_made_small_again(page) -> None:
+def test_a_view_is_enlarged_by_its_number_and_made_small_again(page: OpenedPage) -> None:
     page.wait_for("the views", lambda: len(page.marks()) == 4)
     widths = "(views) => views.map((view) => view.clientWidth)"
     page.page.keyboard.press("3")
@@ -155,7 +160,7 @@ def test_a_view_is_enlarged_by_its_number_and_made_small_again(page) -> None:
     assert max(again) - min(again) <= 1
 
 
-def test_the_page_tells_latency_and_the_clock(page) -> None:
+def test_the_page_tells_latency_and_the_clock(page: OpenedPage) -> None:
     page.wait_for("glass to glass", lambda: median_of(page, "picture") > 0)
     assert median_of(page, "round_trip") > 0
     assert median_of(page, "uncertainty") < 1000
@@ -167,7 +172,7 @@ def median_of(page: OpenedPage, interval: str) -> float:
 
 
 @pytest.mark.slow
-def test_pictures_that_stop_coming_are_marked_with_their_age(stand, page) -> None:
+def test_pictures_that_stop_coming_are_marked_with_their_age(stand: Stand, page: OpenedPage) -> None:
     page.wait_for_live_views()
     video = next(p for p in descendants(stand.remote.pid) if Path(f"/proc/{p}/comm").read_text() == "farhand-video\n")
     os.kill(video, signal.SIGSTOP)
@@ -180,7 +185,9 @@ def test_pictures_that_stop_coming_are_marked_with_their_age(stand, page) -> Non
 
 
 @pytest.mark.slow
-def test_a_killed_remote_site_is_told_and_its_pictures_marked_and_the_console_ends_when_asked(stand, page) -> None:
+def test_a_killed_remote_site_is_told_and_its_pictures_marked_and_the_console_ends_when_asked(
+    stand: Stand, page: OpenedPage
+) -> None:
     page.wait_for_live_views()
     for process in (*descendants(stand.remote.pid), stand.remote.pid):
         os.kill(process, signal.SIGKILL)

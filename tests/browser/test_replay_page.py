@@ -15,6 +15,7 @@ from tests.browser.opened_page import OpenedPage
 from tests.browser.replayed import jump, served
 from tests.browser.told import SHOTS
 from tests.farhand.replay.recorded_states import ENGAGED_S, SECONDS
+from tests.present import present
 
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
 LET_GO = "let go of the key first, then press it: what has ended never resumes by itself"
@@ -34,7 +35,9 @@ def instructed(at_s: float) -> dict[str, Any]:
     said = {"reason": "stopped by anna; reset it, then engage", "readiness": to_do} if at_s < ENGAGED_S else {}
     alarm = msgspec.structs.replace(golden.RECORDING, alarm="recording has ended: free some space, and start it again")
     narrow = VideoLink(carries_mbit_s=3.5, needs_mbit_s=20.0, reason="the link carries 3.5 Mbit/s. Cure: a wider link")
-    late = msgspec.structs.replace(golden.STATE.hand_link, code="samples_old", reason="too old: network 240 ms")
+    late = msgspec.structs.replace(
+        present(golden.STATE.hand_link), code="samples_old", reason="too old: network 240 ms"
+    )
     settings = OperatorSettings(lease=5 if at_s < ENGAGED_S else 6, scale=1.0 if at_s < ENGAGED_S else 0.5)
     return said | {"recording": alarm, "video_link": narrow, "hand_link": late, "settings": settings}
 

@@ -12,6 +12,7 @@ from lab.measure.page import scene
 from lab.measure.page.bare_console import BareConsole
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told
+from tests.present import present
 
 LEASE = 5  # the scene's
 LOCKED = OperatorSettings(lease=LEASE, revision=3, scale=0.5, locks=Locks(z=True))
@@ -43,9 +44,11 @@ def test_a_page_adopts_the_settings_in_force_before_any_are_sent(browser: object
 
         told.state = under(LOCKED)
         told.until("the lock", lambda: shows_locked(page))
-        told.until("the settings", lambda: console.intents[-1].intent.settings == LOCKED)
+        told.until("the settings", lambda: present(console.intents[-1].intent).settings == LOCKED)
         page.page.click("[data-lock=x]")
-        told.until("the change", lambda: console.intents[-1].intent.settings.locks == Locks(x=True, z=True))
+        told.until(
+            "the change", lambda: present(present(console.intents[-1].intent).settings).locks == Locks(x=True, z=True)
+        )
         sent = [told.intent.settings for told in console.intents if told.intent is not None]
         assert all(settings is None or settings.locks.z for settings in sent)
         page.close()
@@ -63,7 +66,9 @@ def test_a_page_that_reconnects_to_a_new_console_still_shows_the_lock(browser: o
     with BareConsole(port) as console:
         told = Told(console, page)
         told.state = under(LOCKED)
-        told.until("the settings", lambda: bool(console.intents) and console.intents[-1].intent.settings == LOCKED)
+        told.until(
+            "the settings", lambda: bool(console.intents) and present(console.intents[-1].intent).settings == LOCKED
+        )
         assert shows_locked(page)
         assert CHANGED not in page.words("#alert")
         page.close()

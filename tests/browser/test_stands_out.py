@@ -11,6 +11,7 @@ from common.messages.robot import SessionState
 from lab.measure.page import scene
 from lab.measure.page.screenshots import STATES
 from tests.browser.told import Told
+from tests.present import present
 
 TONES = {"engaged": "engaged", "limited": "holding", "ready": "idle", "stopped": "fault", "another operates": "other"}
 BESIDE_PX = 3  # from the button's edge
@@ -38,7 +39,7 @@ def test_stop_stands_out_from_what_is_around_it(told: Told, name: str) -> None:
     told.state = STATES[name]
     told.until("the colour", lambda: told.page.page.get_attribute("body", "data-tone") == TONES[name])
     box = told.page.page.locator("#stop").bounding_box()
-    shot = cv2.imdecode(np.frombuffer(told.page.page.screenshot(), np.uint8), cv2.IMREAD_COLOR)
+    shot = present(cv2.imdecode(np.frombuffer(told.page.page.screenshot(), np.uint8), cv2.IMREAD_COLOR))
     row = round(box["y"] + box["height"] / 2)
     ground, around = shot[row, round(box["x"]) + 8], shot[row, round(box["x"]) - BESIDE_PX]
     assert contrast(ground, around) >= 3.0

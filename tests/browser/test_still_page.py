@@ -1,11 +1,12 @@
 """What the page draws besides pictures is drawn again only where it has changed."""
 
+from collections.abc import Callable
 from functools import partial
 
 import msgspec
 import pytest
 
-from common.messages.robot import Pose, SessionState
+from common.messages.robot import Pose, RobotState, SessionState
 from lab.measure.page import scene
 from tests.browser.told import Told, opened_told
 
@@ -66,7 +67,7 @@ OVER_A_PICTURE = """async ([cell, camera, robots]) => {
 }"""
 
 
-def engaged(turned_rad: float = 0.0):
+def engaged(turned_rad: float = 0.0) -> Callable[..., RobotState | None]:
     """A state whose arm stands still, turned from the start posture."""
     q = scene.CONFIG.robot.start + turned_rad
     tool = Pose.from_transform(scene.MODEL.forward(q))

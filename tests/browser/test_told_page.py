@@ -27,6 +27,7 @@ from local_site.console.hub import Hub
 from remote_site.video.streaming.pictures import encode_jpeg
 from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told
+from tests.present import present
 
 OPEN, CLOSED, KEEP = GripperCommand.OPEN, GripperCommand.CLOSED, GripperCommand.KEEP
 CHECK = (Path(__file__).parent / "accessibility.js").read_text().split("\n", 1)[1]
@@ -116,7 +117,7 @@ def ghost(told: Told, camera: str) -> np.ndarray:
     height, width = scene.SIZE
     scale = min(found["width"] / width, found["height"] / height)
     margin = (np.array([found["width"], found["height"]]) - scale * np.array([width, height])) / 2
-    return (np.array(found["points"]).reshape(-1, 2) + 0.5 - margin) / scale
+    return np.asarray((np.array(found["points"]).reshape(-1, 2) + 0.5 - margin) / scale)
 
 
 def ghosts_drawn(told: Told, camera: str) -> np.ndarray:
@@ -130,9 +131,10 @@ def ghosts_drawn(told: Told, camera: str) -> np.ndarray:
 def test_the_ghost_is_the_commanded_arm_where_the_camera_sees_it(told: Told) -> None:
     told.until("the ghost", lambda: len(ghost(told, "side")) > 50)
     calibrations = {camera.name: camera.calibration for camera in scene.cell().cameras}
-    q = told.state().q_commanded
+    q = present(told.state()).q_commanded
     for camera in ("front_high", "front_low", "side"):
-        u, v, w = np.reshape(calibrations[camera].projection, (3, 4)) @ [*scene.MODEL.position(np.array(q)), 1.0]
+        projection = np.reshape(present(calibrations[camera]).projection, (3, 4))
+        u, v, w = projection @ [*scene.MODEL.position(np.array(q)), 1.0]
         drawn = ghosts_drawn(told, camera)
         assert np.linalg.norm(drawn - (u / w, v / w), axis=1).min() < 3.0, camera
     assert told.page.page.inner_text("[data-name=side] .explains") == "violet: the arm as commanded"
@@ -190,12 +192,12 @@ def test_the_arm_is_looked_at_from_elsewhere_by_mouse_and_by_keys(told: Told) ->
 
 def test_the_button_holds_as_long_as_it_is_pressed(told: Told) -> None:
     told.until("the controls", lambda: "you operate" in told.page.words("#seat"))
-    told.until("a key that is up", lambda: bool(told.intents) and not told.intents[-1].intent.hold)
+    told.until("a key that is up", lambda: bool(told.intents) and not present(told.intents[-1].intent).hold)
     told.page.page.hover("#hold")
     told.page.page.mouse.down()
-    told.until("holding", lambda: told.intents[-1].intent.hold)
+    told.until("holding", lambda: present(told.intents[-1].intent).hold)
     told.page.page.mouse.up()
-    told.until("letting go", lambda: not told.intents[-1].intent.hold)
+    told.until("letting go", lambda: not present(told.intents[-1].intent).hold)
 
 
 def test_a_click_enlarges_a_view_and_makes_it_small_again(told: Told) -> None:

@@ -15,6 +15,7 @@ from lab.measure.page import scene
 from lab.measure.page.bare_console import BareConsole
 from local_site.console.hub import Hub
 from tests.browser.opened_page import PATIENCE_S, OpenedPage
+from tests.present import present
 
 SHOTS = Path(__file__).parents[2] / "build" / "screenshots"
 BEAT_S = 0.05
@@ -35,7 +36,7 @@ class Told:
 
     def reset(self) -> None:
         """All is well."""
-        self.state: Callable[..., RobotState] = partial(
+        self.state: Callable[..., RobotState | None] = partial(
             scene.state, SessionState.ENGAGED, "ok", "the arm follows the hand"
         )
         self.hand: Callable[[], HandArm] = scene.hand
@@ -49,7 +50,7 @@ class Told:
     def tell(self) -> None:
         """Everything once."""
         self._seq += 1
-        self.give(Hub.state, self.state())
+        self.give(Hub.state, present(self.state()))
         if self.is_hand_told:
             self.give(Hub.hand, self.hand())
         for camera in self.cameras:

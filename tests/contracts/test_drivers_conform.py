@@ -64,25 +64,25 @@ def _opened_in_the_end():
 @pytest.mark.parametrize("check", CHECKS, ids=NAMES)
 @pytest.mark.parametrize("stand", [kinematic_stand, simulated_stand, c500c_stand])
 def test_the_drivers_of_the_house_pass(stand, check):
-    lines = []
+    lines: list[str] = []
     assert run_checks(stand(), lines.append, [check]) == [], lines
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("stand", [simulated_stand, c500c_stand])
 def test_one_robot_passes_all_checks_one_after_the_other(stand):
-    lines, same = [], stand()
+    lines, same = list[str](), stand()
     assert run_checks(same, lines.append, [*CHECKS, *CHECKS]) == [], lines
 
 
 @pytest.mark.long
 def test_the_a465_passes_with_lost_bytes():
-    lines = []
+    lines: list[str] = []
     assert run_checks(c500c_stand(loss=0.0005), lines.append) == [], lines
 
 
 def test_calls_are_timed_by_a_clock_of_their_own_where_the_robots_is_a_simulators():
-    calls, lines = FakeClock(), []
+    calls, lines = FakeClock(), list[str]()
 
     class Waiting(KinematicDriver):
         """Waits for its robot, whose clock stands still meanwhile."""
@@ -123,7 +123,7 @@ def test_calls_are_timed_by_a_clock_of_their_own_where_the_robots_is_a_simulator
     ],
 )
 def test_a_bad_driver_fails_the_check_made_for_it(bad, check):
-    lines = []
+    lines: list[str] = []
     checks = [c for c in CHECKS if c.__name__ == check]
     assert run_checks(kinematic_stand(bad), lines.append, checks, call_s=1.0) == [check]
     assert lines[0].startswith("FAILED")
@@ -148,7 +148,7 @@ def test_a_bad_driver_fails_the_check_made_for_it(bad, check):
     ],
 )
 def test_a_driver_that_is_bad_in_one_thing_fails_in_nothing_else(bad, checks):
-    lines = []
+    lines: list[str] = []
     assert run_checks(kinematic_stand(bad), lines.append) == checks, lines
     failed = [line for line in lines if line.startswith("FAILED")]
     assert [line.split()[1] for line in failed] == [check.split("_")[0] for check in checks]
@@ -164,7 +164,7 @@ def test_every_check_has_its_bad_driver():
 @pytest.mark.slow
 @pytest.mark.parametrize("good", [Gripping, Unhurried])
 def test_a_robot_with_a_gripper_passes(good):
-    lines = []
+    lines: list[str] = []
     assert run_checks(kinematic_stand(good), lines.append) == [], lines
 
 
@@ -182,21 +182,21 @@ def test_a_robot_with_a_gripper_passes(good):
     ],
 )
 def test_what_no_check_can_do_without_is_said_once(bad, sentence):
-    lines = []
+    lines: list[str] = []
     assert run_checks(kinematic_stand(bad), lines.append, call_s=1.0) == ["life_cycle"]
     assert len(lines) == 2
     assert sentence in lines[0]
 
 
 def test_a_call_that_returns_the_wrong_thing_is_named():
-    lines = []
+    lines: list[str] = []
     run_checks(kinematic_stand(Thief), lines.append, CHECKS[:1])
     assert "the driver's read raised TypeError: it returned None, not a RobotReading" in lines[0]
 
 
 @pytest.mark.slow
 def test_a_watchdog_that_a_driver_has_not_is_skipped():
-    lines = []
+    lines: list[str] = []
     run_checks(kinematic_stand(), lines.append)
     assert [line.split()[1] for line in lines if line.startswith("skipped")] == [
         "other",

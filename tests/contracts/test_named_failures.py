@@ -29,7 +29,7 @@ from tests.contracts.driver_stands import kinematic_stand
 
 
 def lines_of(bad, checks=CHECKS):
-    lines = []
+    lines: list[str] = []
     failed = run_checks(kinematic_stand(bad), lines.append, checks)
     return failed, lines
 

@@ -17,14 +17,14 @@ from tests.contracts.position_arms import position_stand
 @pytest.mark.slow
 @pytest.mark.parametrize("arm", [arms.ServoArm, arms.BrakingArm, arms.GripperArm, arms.Stamped, arms.Sparing])
 def test_three_methods_pass_every_check(arm):
-    lines = []
+    lines: list[str] = []
     assert run_checks(position_stand(arm), lines.append) == [], lines
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rate_hz", [10.0, 25.0, 50.0, 200.0, 500.0, 1000.0])
 def test_they_do_at_any_rate(rate_hz):
-    paced, lines = type("Paced", (arms.ServoArm,), {"rate_hz": rate_hz}), []
+    paced, lines = type("Paced", (arms.ServoArm,), {"rate_hz": rate_hz}), list[str]()
     assert run_checks(position_stand(paced), lines.append) == [], lines
 
 
@@ -46,7 +46,7 @@ def test_they_do_at_any_rate(rate_hz):
     ],
 )
 def test_a_bad_arm_fails_and_the_line_says_why(bad, check, sentence):
-    lines = []
+    lines: list[str] = []
     made_for_it = [each for each in CHECKS if each.__name__ == check]
     assert run_checks(position_stand(bad), lines.append, made_for_it) == [check]
     assert_said(lines, check, sentence)
@@ -63,7 +63,7 @@ def test_a_bad_arm_fails_and_the_line_says_why(bad, check, sentence):
     ],
 )
 def test_an_arm_that_is_bad_in_one_thing_fails_in_nothing_else_and_the_line_says_why(bad, checks, sentence):
-    lines = []
+    lines: list[str] = []
     assert run_checks(position_stand(bad), lines.append) == checks, lines
     assert_said(lines, checks[0], sentence)
 
@@ -79,7 +79,7 @@ def test_an_arm_that_waits_passes_with_a_thread(check):
     class Threaded(arms.Waiting):
         rate_hz, lag_ms, threaded = 40.0, 100.0, True
 
-    clock, lines = MonotonicClock(), []
+    clock, lines = MonotonicClock(), list[str]()
     arm = Threaded(clock)
     make = lambda: PositionArmDriver(arm, clock)  # noqa: E731  # one robot for all attempts
     stand = DriverStand(clock, SETUP, make, CONFIG.robot.start, machine_pauses)

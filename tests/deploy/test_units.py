@@ -24,7 +24,7 @@ analyse = pytest.mark.skipif(
 
 def unit_of(site: str) -> configparser.ConfigParser:
     unit = configparser.ConfigParser(strict=False, interpolation=None)
-    unit.optionxform = str
+    unit.optionxform = str  # type: ignore[assignment,method-assign]  # as its documentation has it
     unit.read(DEPLOY / "systemd" / f"farhand-{site}.service")
     return unit
 

@@ -87,8 +87,8 @@ def test_it_brings_the_template_of_drivers(installed: Path, tmp_path: Path) -> N
 @pytest.mark.long
 def test_the_loop_closes_from_an_empty_folder(installed: Path, tmp_path: Path) -> None:
     options = ["--seconds", "5", "--headless", "--driver", "kinematic", "--tracker", "markers", "--report", "out.json"]
-    command = installed / "farhand", "loopback", *options, *PATIENT
-    report = undisturbed(lambda: run(*command, folder=tmp_path), tmp_path / "out.json")
+    command = "loopback", *options, *PATIENT
+    report = undisturbed(lambda: run(installed / "farhand", *command, folder=tmp_path), tmp_path / "out.json")
     assert report["engagements"] == 1
     assert report["follow_mm"]["mean"] < 30.0
     assert [path.name for path in tmp_path.iterdir()] == ["out.json"]

@@ -81,7 +81,9 @@ def test_a_hand_out_of_a_file_moves_the_arm(sites: Sites, tmp_path: Path) -> Non
         engage = [sys.executable, "-m", "farhand", "engage", "--cell", CELL, "--operator", "example", "--remote"]
         subprocess.run([*engage, sites.endpoints.control], check=True, capture_output=True, timeout=60)
         sites.wait("the arm to follow", lambda: sites.is_in(SessionState.ENGAGED))
-        sites.wait("the way", lambda: abs(np.linalg.norm(sites.state.base_T_tool.position - before) - 0.05) < 0.005)
+        sites.wait(
+            "the way", lambda: bool(abs(np.linalg.norm(sites.state.base_T_tool.position - before) - 0.05) < 0.005)
+        )
         hand.communicate(timeout=60)
     assert hand.returncode == 0
 

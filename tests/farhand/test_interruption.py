@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -103,7 +104,7 @@ def test_a_probe_that_is_interrupted_waits_for_what_listens(monkeypatch: pytest.
     """A thread that comes back from Zenoh while Python ends would abort the process."""
     ended, feed = [], Latest.feed
 
-    def slow(latest: Latest, take: Callable) -> None:
+    def slow(latest: Latest[Any], take: Callable[[Any, int], None]) -> None:
         feed(latest, take)
         time.sleep(0.1)
         ended.append(latest)

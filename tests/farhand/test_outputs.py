@@ -37,6 +37,9 @@ class Blank:
         self._left, self._seq = self._left - 1, self._seq + 1
         return Frame(np.zeros((48, 64), np.uint8), self._seq * 10**7, self._seq)
 
+    def close(self):
+        pass
+
 
 def test_an_output_over_an_input_is_refused(tmp_path):
     csv = tmp_path / "points.csv"

@@ -15,7 +15,7 @@ from farhand.cli import main
 from farhand.doctor.findings import as_text, warning
 from farhand.exits import NOT_STOPPED
 from farhand.loopback.display import LiveSummary, print_table
-from farhand.loopback.measured_run import run_figures
+from farhand.loopback.measured_run import LoopbackOperator, run_figures
 from farhand.loopback.recorder import CameraRecord, Record
 from farhand.terminal import complain, progress_bar, say
 from remote_site.config import RemoteConfig
@@ -45,8 +45,11 @@ def run(command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch) -> None:
         main()
 
 
-class NobodyOperates:
+class NobodyOperates(LoopbackOperator):
     """No hand, no gripper."""
+
+    def __init__(self) -> None:
+        """Of nobody."""
 
     def openings(self, _now_ns: int) -> int:
         """None."""

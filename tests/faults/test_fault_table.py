@@ -9,6 +9,7 @@ from tests.faults.conftest import Stage
 from tests.faults.fault_rows import ROWS, Row
 from tests.faults.trial import Outcome, Trial
 
+BY_SETTINGS = sorted(ROWS, key=lambda row: row.settings)
 PLAYS = 3
 SHARED_MACHINE_NS = 2 * NS_PER_S  # a machine under tests may be this late with a stop; 'make faults' allows no delay
 
@@ -41,7 +42,7 @@ def play(row: Row, stage: Stage, pause_ns: int = 0) -> Outcome:
 
 
 @pytest.mark.faults
-@pytest.mark.parametrize("row", sorted(ROWS, key=lambda row: row.settings), ids=lambda row: row.fault)
+@pytest.mark.parametrize("row", BY_SETTINGS, ids=lambda row: row.fault)
 def test_full(row: Row, stage: Stage) -> None:
     outcome = play(row, stage)
     assert not outcome.failures, outcome

@@ -5,6 +5,7 @@ import re
 import signal
 import time
 import urllib.request
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -35,7 +36,7 @@ def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_
     started = [p for site in processes for p in (site.pid, *descendants(site.pid))]
     for site in processes:
         told = sites.systemd[site.pid].words
-        sites.wait("the watchdog to be fed", lambda told=told: len(told) > 5)
+        sites.wait("the watchdog to be fed", partial(lambda words: len(words) > 5, told))
     for site in processes:
         os.kill(site.pid, signal.SIGTERM)
     sites.wait("both to end", lambda: all(site.exit_code is not None for site in processes), END_S)
@@ -51,7 +52,7 @@ def test_both_sites_tell_systemd_of_their_life_end_soon_after_sigterm_and_leave_
         assert said[-1] in list(site.lines)[-5:]
     for site in processes:
         told = sites.systemd[site.pid].words
-        sites.wait("the last word", lambda told=told: told[-1] == "STOPPING=1", END_S)
+        sites.wait("the last word", partial(lambda words: words[-1] == "STOPPING=1", told), END_S)
         assert told[0] == "READY=1"
         assert set(told[1:-1]) == {"WATCHDOG=1"}
 

@@ -11,6 +11,7 @@ from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.landmarks.models import view_hands
 from tests.loopback.undisturbed import run_loopback
+from tests.present import present
 
 MAX_FOLLOW_MM = 30.0
 MAX_ERROR_MM = {"elbow": 20.0, "wrist": 15.0, "index": 20.0, "thumb": 20.0}
@@ -24,7 +25,7 @@ def test_the_loop_closes_in_a_room(tmp_path: Path) -> None:
     except ModelError as missing:
         pytest.skip(str(missing))
     report, views = tmp_path / "out.json", tmp_path / "views"
-    command = ("--seconds", "9", "--headless", "--tracker", "learned", "--save-views", str(views))
+    command = ["--seconds", "9", "--headless", "--tracker", "learned", "--save-views", str(views)]
     command += ("--set", "simulation.fps=10")  # both cameras and the tracker in real time fill two processors at 15
     figures = run_loopback(*command, report=report, timeout_s=180)
     assert figures["engagements"] == 1
@@ -32,5 +33,5 @@ def test_the_loop_closes_in_a_room(tmp_path: Path) -> None:
     for point, most_mm in MAX_ERROR_MM.items():
         assert figures["tracking"]["error_mm"][point]["mean"] < most_mm, point
     assert not any("XNNPACK" in event for event in figures["events"])
-    picture = cv2.imread(str(views / "operator_left.png"))
+    picture = present(cv2.imread(str(views / "operator_left.png")))
     assert np.ptp(picture[-40:, :40].astype(int), axis=2).max() > 20, "the room is in colour"

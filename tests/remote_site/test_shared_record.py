@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+from typing import Any
 
 import numpy as np
 import pytest
@@ -34,7 +35,7 @@ def hammered():
     writer.join(5)
 
 
-def assert_whole(read) -> int:
+def assert_whole(read: Any) -> int:
     seq = int(read["seq"])
     values = np.concatenate([read["q"], read["dq"], read["ddq"], [read["t_ns"]]])
     assert (values == seq).all()

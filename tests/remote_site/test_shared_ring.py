@@ -98,7 +98,7 @@ def hammered():
 
 
 def assert_whole(data: bytes) -> int:
-    (number,) = struct.unpack_from("<Q", data)
+    number = int.from_bytes(data[:8], "little")
     assert set(data[8:]) <= {number % 251}
     return number
 

@@ -31,7 +31,7 @@ class FakeCapture:
     clock: FakeClock
     backend: str = "V4L2"
     transfer_ms: float = 5.0
-    stamp_shift_ns: int = 0
+    stamp_shift_ns: float = 0
     missing: frozenset[int] = frozenset()
     step: int = 5
     opens: bool = True

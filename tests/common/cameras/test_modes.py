@@ -1,8 +1,8 @@
 """What v4l2-ctl lists is read, and named where a camera refuses what is asked."""
 
+import shutil
 import subprocess
 
-from common.cameras import modes
 from common.cameras.modes import CameraMode, describe_modes, parse_modes
 
 LISTING = """ioctl: VIDIOC_ENUM_FMT
@@ -28,13 +28,13 @@ def test_the_listing_is_read():
 
 
 def test_the_modes_are_named(monkeypatch):
-    monkeypatch.setattr(modes.shutil, "which", lambda _program: "/usr/bin/v4l2-ctl")
-    monkeypatch.setattr(modes.subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], 0, LISTING, ""))
+    monkeypatch.setattr(shutil, "which", lambda _program: "/usr/bin/v4l2-ctl")
+    monkeypatch.setattr(subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], 0, LISTING, ""))
     assert describe_modes("/dev/video0") == (
         "choose one of what it offers: MJPG 1280 x 720 at 60/30 fps, YUYV 640 x 480 at 30 fps"
     )
 
 
 def test_without_the_program_the_cure_names_it(monkeypatch):
-    monkeypatch.setattr(modes.shutil, "which", lambda _program: None)
+    monkeypatch.setattr(shutil, "which", lambda _program: None)
     assert "v4l2-ctl -d /dev/video0 --list-formats-ext" in describe_modes("/dev/video0")

@@ -87,6 +87,6 @@ def test_errors_show_no_password(told):
 def test_the_doctor_and_the_setup_show_no_password():
     found = [probe_camera("left", NOBODY, 30.0), CameraFacts("left", shown_source(NOBODY), (640, 480))]
     assert not any("s3cret" in str(check_camera(facts)) for facts in found)
-    person = ScriptedPerson([])
+    person = ScriptedPerson({})
     assert try_cameras([NOBODY], lambda source, name, _: open_camera(source, name), person) == {}
     assert "s3cret" not in str(vars(person))

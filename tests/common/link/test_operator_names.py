@@ -130,7 +130,7 @@ def test_an_honest_client_refuses_itself_anothers_name(pki: Path, cell: Cell) ->
         with pytest.raises(RefusedError, match=r'operator\.lab\.ben may not send .*/hand/anna: .*operator = "ben"'):
             link.publisher(HAND, CELL, operator=ANNA)
         with pytest.raises(RefusedError, match=r"may not ask .*lease/anna"):
-            link.ask(LEASE, CELL, None, operator=ANNA)  # type: ignore[arg-type]  # refused before it is encoded
+            link.ask(LEASE, CELL, None, operator=ANNA)  # type: ignore[misc]  # refused before it is encoded
         with pytest.raises(RefusedError, match=r"may not receive .*/hand/\*"):
             link.latest(HAND, CELL)
 

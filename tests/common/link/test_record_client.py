@@ -1,5 +1,6 @@
 """What is asked of the recorders of both sites: one answer of two."""
 
+import threading
 from typing import Any
 
 import pytest
@@ -7,18 +8,19 @@ import pytest
 from common.errors import TransportError
 from common.link.channels import RECORD, RECORD_OWN
 from common.link.record_client import RecordClient
+from common.link.request_client import RequestClient
 from common.messages.recording import EpisodeOutcome
 from common.messages.requests import RecordAction, Reply
 
 
-class Site:
+class Site(RequestClient):
     """A site that takes everything, refuses with a code, or is silent where that is None."""
 
     def __init__(self, name: str, code: str | None) -> None:
         self._name, self._code = name, code
         self.asked: list[tuple[Any, Any]] = []
 
-    def ask(self, procedure: Any, make: Any) -> Reply:
+    def ask(self, procedure: Any, make: Any, _withdrawn: threading.Event | None = None) -> Any:
         self.asked.append((procedure, make(id=1, deadline_ns=2)))
         if self._code is None:
             raise TransportError(f"nobody answered at {self._name}")

@@ -5,8 +5,10 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from types import SimpleNamespace
+from typing import cast
 
 import pytest
+import zenoh
 
 from common.link import send_queues
 from common.link.send_queues import SendQueues
@@ -54,8 +56,9 @@ def stack(monkeypatch: pytest.MonkeyPatch) -> Iterator[ExitStack]:
         yield stack
 
 
-def session(*neighbours: Neighbour) -> SimpleNamespace:
-    return SimpleNamespace(info=SimpleNamespace(links=lambda: [each.link for each in neighbours]))
+def session(*neighbours: Neighbour) -> zenoh.Session:
+    links = [each.link for each in neighbours]
+    return cast("zenoh.Session", SimpleNamespace(info=SimpleNamespace(links=lambda: links)))
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "::1"])

@@ -2,7 +2,7 @@
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
@@ -110,16 +110,17 @@ def test_pictures_are_sent_for_viewers_only_while_one_listens(site: Watched) -> 
 def test_of_all_that_viewers_send_only_so_much_reaches_the_site(site: Watched) -> None:
     asked = site.video.latest(KEY_FRAMES, CELL)
     request = KeyFrameRequest(camera="side", after_seq=0)
-    with site.connect() as viewer, repeated(lambda: viewer_asks.put(request), 0.002):
+    with site.connect() as viewer:
         viewer_asks = viewer.publisher(KEY_FRAMES, CELL)
-        until(asked.take)
-        time.sleep(2.0)  # the burst is over
-        while asked.take() is not None:
-            pass
-        heard, ends = 0, time.monotonic() + 2.0
-        while time.monotonic() < ends:
-            heard += asked.take() is not None
-            time.sleep(0.005)
+        with repeated(lambda: viewer_asks.put(request), 0.002):
+            until(asked.take)
+            time.sleep(2.0)  # the burst is over
+            while asked.take() is not None:
+                pass
+            heard, ends = 0, time.monotonic() + 2.0
+            while time.monotonic() < ends:
+                heard += asked.take() is not None
+                time.sleep(0.005)
     assert 10 <= heard <= 25  # ten a second; 1000 were sent
 
 
@@ -215,7 +216,7 @@ def test_a_passage_without_its_site_waits_for_it(pki: Path) -> None:
 class repeated:  # noqa: N801  # reads as what it does
     """Does something every few milliseconds while the block runs."""
 
-    def __init__(self, do, every_s: float = 0.02) -> None:
+    def __init__(self, do: Callable[[], object], every_s: float = 0.02) -> None:
         self._do, self._every_s, self._ended = do, every_s, threading.Event()
         self._thread = threading.Thread(target=self._run)
 

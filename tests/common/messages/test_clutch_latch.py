@@ -55,7 +55,8 @@ def test_however_reports_go_on_through_several_receivers_the_last_is_up_only_if_
 def test_it_is_up_after_a_press_only_where_the_report_before_the_first_up_was_down(
     reports: list[ClutchKey | None],
 ) -> None:
-    made, before = ClutchLatch(), UP
+    made = ClutchLatch()
+    before: ClutchKey | None = UP
     for report in reports:
         was = made.key
         if report is None:

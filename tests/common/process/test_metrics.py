@@ -5,6 +5,7 @@ import threading
 import time
 import urllib.request
 from collections.abc import Callable
+from typing import Any
 
 import msgspec
 import pytest
@@ -26,6 +27,7 @@ from remote_site.video.process import VideoTally
 from tests.common.cameras.losing_camera import MOST, PER_FRAME, LosingCamera
 from tests.common.messages.golden_examples import HAND, VIDEO
 from tests.common.messages.golden_examples import STATE as TOLD
+from tests.present import present
 
 with_ = msgspec.structs.replace
 Follow = Callable[[str, LosingCamera], Callable[[], None]]
@@ -43,7 +45,7 @@ def losing(name: str, follow: Follow) -> tuple[LosingCamera, Callable[[], None]]
     return camera, follow(name, camera)
 
 
-def read(figures: MetricsSource, name: str, **labels: str) -> float | None:
+def read(figures: MetricsSource[Any], name: str, **labels: str) -> float | None:
     """A figure two seconds after the last message."""
     registry = CollectorRegistry(auto_describe=False)
 
@@ -74,9 +76,9 @@ def test_the_remote_site_tells_state_reasons_and_late_ticks() -> None:
 
 def test_latency_is_told_in_one_clock_and_once_per_sample() -> None:
     figures = RemoteFigures(VideoTally(["side"]))
-    offset_ns = TOLD.clock.remote_minus_local_ns
+    offset_ns = present(TOLD.clock).remote_minus_local_ns
     capture_ns = 9_000_000_000_000
-    obeyed = with_(TOLD.obeyed, capture_ns=capture_ns, command_ns=capture_ns + offset_ns + 45_000_000)
+    obeyed = with_(present(TOLD.obeyed), capture_ns=capture_ns, command_ns=capture_ns + offset_ns + 45_000_000)
     for _ in range(3):
         figures.observe(with_(TOLD, obeyed=obeyed), HEARD_NS)
     assert read(figures, "farhand_capture_to_command_seconds_count") == 1
@@ -168,17 +170,16 @@ def page_at(port: int) -> str:
     time.sleep(0.05)
     try:
         with urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics", timeout=5) as answer:
-            return answer.read().decode()
+            return str(answer.read(), "utf-8")
     except OSError:
         return ""
 
 
 def test_a_port_that_is_taken_is_told() -> None:
     (port,) = free_ports(1)
+    figures = RemoteFigures(VideoTally(["side"]))
     with open_link(listen=(f"tcp/127.0.0.1:{port}",)) as _, pytest.raises(TransportError, match=r"metrics\.port"):
-        run_metrics(
-            port, f"tcp/127.0.0.1:{port}", STATE, "c", LocalFigures(LostPictures(["left"])), StopFlag(), lambda: None
-        )
+        run_metrics(port, f"tcp/127.0.0.1:{port}", STATE, "c", figures, StopFlag(), lambda: None)
 
 
 def test_a_request_that_does_not_end_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:

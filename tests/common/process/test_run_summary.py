@@ -8,6 +8,7 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.robot import STOPPED, LoopTiming, SessionState
 from common.process.run_summary import MOST_CODES, OTHER, RunSummary, in_words
 from remote_site.reasons import Code
+from tests.present import present
 
 EVERY_NS = 20 * NS_PER_MS
 DISENGAGED, ENGAGED, HOLDING, FAULT = (
@@ -19,7 +20,7 @@ DISENGAGED, ENGAGED, HOLDING, FAULT = (
 
 
 def state(word, code="ok", age_ms=30.0, late_us=100.0, missed=0):
-    link = msgspec.structs.replace(golden.STATE.hand_link, age_ms=age_ms)
+    link = msgspec.structs.replace(present(golden.STATE.hand_link), age_ms=age_ms)
     timing = LoopTiming(hz=250.0, late_p99_us=late_us, missed=missed, ticks=5000, real_time=True)
     return msgspec.structs.replace(golden.STATE, state=word, code=code, hand_link=link, timing=timing)
 

@@ -1,6 +1,7 @@
 """A recording that can be written no more ends with an alarm; what was written before can be read."""
 
 import struct
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -24,7 +25,9 @@ def write_to_a_full_disk(_session: RecordingSession) -> None:
 @pytest.mark.parametrize(
     ("write", "said"), [(write_too_large, "a number has no room"), (write_to_a_full_disk, "free some space")]
 )
-def test_what_cannot_be_written_ends_the_recording_with_an_alarm_and_not_its_process(tmp_path: Path, write, said):
+def test_what_cannot_be_written_ends_the_recording_with_an_alarm_and_not_its_process(
+    tmp_path: Path, write: Callable[[RecordingSession], None], said: str
+) -> None:
     plan = RecordingPlan(tmp_path, "cell", "test", RecordConfig())
     recording = GuardedRecording(plan, lambda: datetime(2026, 3, 4, tzinfo=UTC))
     recording.begin(lambda session, now_ns: add_log(session, now_ns, "test", "begins"), 10**9)

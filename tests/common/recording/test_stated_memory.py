@@ -11,11 +11,11 @@ from mcap.records import AttachmentIndex, Channel, Header, McapRecord, Metadata,
 
 from common.errors import RecordingError
 from common.messages.recording import EpisodeOutcome
-from common.recording.episodes import EpisodeEvent, EpisodeEventKind
+from common.recording.episodes import MOST_EPISODES, EpisodeEvent, EpisodeEventKind
 from common.recording.hand_transcript import EPISODE
 from common.recording.mcap_file import McapFile
 from common.recording.reader import CLOCK_TABLE, EPOCH_KEY, RecordingReader
-from common.recording.recorded_episodes import MOST_EPISODES, episodes_of, read_episodes
+from common.recording.recorded_episodes import episodes_of, read_episodes
 from common.recording.records import MAGIC
 from common.recording.repair import repair
 from tests.common.recording.damaged_files import (

@@ -89,9 +89,7 @@ def test_meshes_of_one_name_get_names_of_their_own_and_one_that_is_used_twice_is
         "r_meshes/arm.stl": "/a/arm.stl",
     }
     link = moved.links["l"]
-    assert [shape.geometry.filename for shape in (*link.visuals[:2], *link.collisions)] == [
-        *list(files),
-        "r_meshes/base.obj",
+    assert [shape.geometry for shape in (*link.visuals[:2], *link.collisions)] == [
+        UrdfMesh(name, (0.001, 0.001, 0.001)) for name in (*files, "r_meshes/base.obj")
     ]
     assert link.visuals[2] is ball
-    assert link.collisions[0].geometry.scale == (0.001, 0.001, 0.001)

@@ -1,5 +1,7 @@
 """Capsules enclose what they are made around, and are hardly larger than they have to be."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -110,9 +112,7 @@ def test_a_link_whose_visuals_cannot_be_read_either_says_that_it_keeps_no_distan
 def test_what_no_body_can_have_is_replaced(inertial):
     box = Shape(np.eye(4), UrdfBox((0.1, 0.1, 0.3)))
     assert not usable(inertial)
-    assert usable(
-        cover_link(UrdfLink("l", collisions=(box,), inertial=inertial), lambda _: None, moves=True).link.inertial
-    )
+    assert usable(cover_link(UrdfLink("l", collisions=(box,), inertial=inertial), Path, moves=True).link.inertial)
 
 
 def test_an_estimated_mass_is_the_density_times_the_volume():

@@ -12,7 +12,7 @@ from structlog.testing import capture_logs
 
 import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_MS, NS_PER_S
-from common.errors import RefusedError, TransportError
+from common.errors import MessageError, RefusedError, TransportError
 from common.host_clock import MonotonicClock
 from common.link import transport
 from common.link.channels import CLOCK, DESCRIBE, TROUBLE
@@ -31,6 +31,7 @@ from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.session.lease import LeaseServer
+from tests.present import present
 
 CELL = "test"
 PATIENCE_S = 10.0
@@ -61,7 +62,7 @@ class Cell:
         self.endpoint = endpoint()
         self.clock = AheadClock()
         self.leases = LeaseServer(2 * NS_PER_S, 1000)
-        self.refused = []
+        self.refused: list[MessageError] = []
         self._stop, self.hang = threading.Event(), threading.Event()
         self.link = stack.enter_context(open_link(listen=(self.endpoint,)))
         self._desk = RequestServer(
@@ -198,7 +199,7 @@ def taken(local, operator="ben"):
 
 def test_the_holder_and_who_asks_are_told_apart_by_their_sites():
     state = golden.STATE
-    asked = msgspec.structs.replace(state.lease, holder="anna", session=0x7F, asked_by=Asker("anna", 0x80))
+    asked = msgspec.structs.replace(present(state.lease), holder="anna", session=0x7F, asked_by=Asker("anna", 0x80))
     words = describe_lease(msgspec.structs.replace(state, lease=asked))
     assert words[0].startswith("anna (site 7f) holds the lease, ")
     assert words[1] == "anna (site 80) asks for it; anna consents with: farhand lease give anna"
@@ -210,7 +211,8 @@ def test_lease_take_says_whom_it_waits_for_and_waits_for_the_consent(stack, cell
     until(lambda: cell.holder == "anna", "anna's lease")
     ben, bens = stack.enter_context(local_site(cell, "ben", 8, automatic=False))
     until(lambda: ben.lease_and_clock(time.monotonic_ns()).clock is not None, "the clock")
-    told, consent = [], threading.Timer(1.5, act_on_lease, (CELL, annas, "anna", OperatorAction.GIVE, Asker("ben", 8)))
+    told: list[str] = []
+    consent = threading.Timer(1.5, act_on_lease, (CELL, annas, "anna", OperatorAction.GIVE, Asker("ben", 8)))
     consent.start()
     assert take_lease(CELL, bens, "ben", told.append) == "the lease of this cell is yours"
     consent.join()
@@ -226,7 +228,7 @@ def test_lease_take_ends_when_nobody_consents_or_nobody_answers(stack, cell, mon
     until(lambda: cell.holder == "anna", "anna's lease")
     ben, bens = stack.enter_context(local_site(cell, "ben", 8))
     until(lambda: ben.lease_and_clock(time.monotonic_ns()).clock is not None, "the clock")
-    told = []
+    told: list[str] = []
     with pytest.raises(TransportError, match=r"nobody has handed the lease over \(waiting\): anna \(site 7\)"):
         take_lease(CELL, bens, "ben", told.append)
     assert len(told) == 1
@@ -355,7 +357,7 @@ def test_a_site_that_is_refused_while_it_runs_ends_with_the_reason(stack, monkey
     monkeypatch.setattr("local_site.authority.lease_client.ROUNDS_TO_DOUBT", 2)
     monkeypatch.setattr("common.link.transport.refusal", lambda place, _: f"{place} refuses us")
     authority = stack.enter_context(Authority(link, CELL, "anna", 7, automatic=True))
-    told = []
+    told: list[str] = []
 
     def ended() -> bool:
         try:

@@ -1,7 +1,7 @@
 """`farhand stop` with real certificates: whoever may stop is acknowledged, everybody else is told what to use."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -124,7 +124,9 @@ def reset(cell: str, endpoint: str, operator: str) -> str:
     ("ask", "begins"),
     [(request_stop, NOT), (request_disengage, "not disengaged ("), (reset, "not reset (")],
 )
-def test_a_reply_that_refuses_is_no_success(ask, begins: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_reply_that_refuses_is_no_success(
+    ask: Callable[[str, str, str], str], begins: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     refused = Reply(id=0, done=False, code="not_holder", reason="ben holds the lease")
     monkeypatch.setattr(engage, "ask_engagement", lambda *_, **__: refused)
     with pytest.raises(TransportError, match="not_holder") as told:
@@ -136,7 +138,7 @@ def test_a_reply_that_refuses_is_no_success(ask, begins: str, monkeypatch: pytes
 def test_a_reset_says_what_it_clears_and_names_no_more_than_that(
     stopped: RobotState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked, told = [], []
+    asked, told = [], list[str]()
 
     def ask(_client: object, action: EngagementAction, seen_ns: int, *, maintenance: bool = False) -> Reply:
         asked.append((action, seen_ns, maintenance))
@@ -169,7 +171,7 @@ def test_a_reset_of_nothing_says_so(
 ) -> None:
     monkeypatch.setattr(engage, "newest_state", lambda *_: replace(STATE, state=state, code=code, reason="why"))
     monkeypatch.setattr(engage, "ask_engagement", lambda *_, **__: Reply(id=0, done=True, code="reset", reason="reset"))
-    told = []
+    told: list[str] = []
     request_maintenance(CELL, f"tcp/127.0.0.1:{free_port()}", EngagementAction.RESET, told.append)
     assert told == [f"{begins}why"]
 

@@ -19,6 +19,7 @@ from local_site.calibration.plate import Plate
 from local_site.calibration.rig_file import load_rig
 from local_site.simulation.cameras import control_point_rows
 from local_site.simulation.config import StereoConfig
+from tests.present import present
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"
 RECORDED = pytest.mark.skipif(not DATA.exists(), reason="the recordings are not here")
@@ -110,7 +111,7 @@ def test_pictures_of_the_recorded_plate_give_a_rig(tmp_path):
     sources = [f"--{side}={DATA}/calib_{side}_*.png" for side in ("left", "right")]
     result = run("images", *sources, "--out", out, "--pictures", found)
     assert result.exit_code == 0, result.output
-    assert np.linalg.norm(load_rig(out).leave_one_out_rms) < 0.0002
+    assert np.linalg.norm(present(load_rig(out).leave_one_out_rms)) < 0.0002
     assert sorted(path.name for path in found.iterdir()) == sorted(
         f"{side}_{name}.png" for side in ("left", "right") for name in (1, 2, 3, "coverage")
     )
@@ -129,7 +130,7 @@ def test_exchanged_and_miscounted_pictures_of_a_plate_are_refused(tmp_path):
 def test_mirrored_pictures_of_a_plate_are_refused(tmp_path):
     for side in ("left", "right"):
         for k in range(3):
-            picture = cv2.imread(str(DATA / f"calib_{side}_{k}.png"))
+            picture = present(cv2.imread(str(DATA / f"calib_{side}_{k}.png")))
             cv2.imwrite(str(tmp_path / f"{side}_{k}.png"), picture[:, ::-1])
     sources = {side: str(tmp_path / f"{side}_*.png") for side in ("left", "right")}
     with pytest.raises(CalibrationError, match="mirroring of both"):
@@ -175,7 +176,7 @@ def test_a_live_board_is_taken_once_per_pose_drawn_and_solved(tmp_path, monkeypa
         return found_in[key]
 
     monkeypatch.setattr(BoardFinder, "find", find_once)
-    sources, found, said = board_folders(tmp_path, repeats=6), tmp_path / "found", []
+    sources, found, said = board_folders(tmp_path, repeats=6), tmp_path / "found", list[str]()
     job = PictureJob(sources, tmp_path / "rig.json", found)
     rig = calibrate_live(job, BOARD, True, len(POSES), lambda: False, said.append).rig
     assert load_rig(tmp_path / "rig.json") == rig

@@ -5,6 +5,7 @@ import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from types import SimpleNamespace
+from typing import cast
 
 import pytest
 from cryptography import x509
@@ -135,7 +136,7 @@ def test_a_router_has_a_certificate_only_where_it_is_asked_for_of_one_cell_and_f
 def test_a_routers_certificate_that_names_no_cell_is_refused_with_the_cure(folder: Path) -> None:
     anywhere = issue(
         load_authority(folder),
-        SimpleNamespace(common_name="router", role=Role.ROUTER),
+        cast("Identity", SimpleNamespace(common_name="router", role=Role.ROUTER)),  # which none can have
         ("::1",),
         NOW,
         timedelta(days=1),

@@ -24,6 +24,7 @@ from remote_site.runtime.crash_marker import CrashMarker
 from tests.farhand.teach.example_task import TASK
 
 SITES = HERE / "sites"
+Here = Callable[..., subprocess.CompletedProcess[str]]
 
 
 def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -33,7 +34,7 @@ def farhand(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture
-def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.CompletedProcess[str]]]:
+def here(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Iterator[Here]:
     """Runs a command in this process, which is quicker, and returns how it ended: no exit has a traceback."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("common.link.request_client.PATIENCE_NS", 300 * NS_PER_MS)
@@ -43,6 +44,7 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
         with pytest.raises(SystemExit) as ended:
             main()
         told = capsys.readouterr()
+        assert isinstance(ended.value.code, int)
         return subprocess.CompletedProcess(arguments, ended.value.code, told.out, told.err)
 
     yield run
@@ -123,18 +125,18 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Callable[..., subprocess.Com
         (["console", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
     ],
 )
-def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: str, here) -> None:
+def test_misuse_is_told_with_its_cure(arguments: list[str], code: int, words: str, here: Here) -> None:
     done = here(*arguments)
     assert done.returncode == code, done.stderr
     assert words in " ".join(done.stderr.split())
 
 
-def test_the_version_is_printed_with_the_name(here) -> None:
+def test_the_version_is_printed_with_the_name(here: Here) -> None:
     done = here("--version")
     assert (done.returncode, done.stdout) == (0, f"farhand {version('farhand')}\n")
 
 
-def test_the_drivers_are_listed_with_where_they_come_from(here) -> None:
+def test_the_drivers_are_listed_with_where_they_come_from(here: Here) -> None:
     done = here("driver", "list")
     assert done.returncode == 0
     own = {line.partition(" ")[0]: line for line in done.stdout.splitlines()}
@@ -142,7 +144,7 @@ def test_the_drivers_are_listed_with_where_they_come_from(here) -> None:
     assert own["kinematic"].startswith("kinematic (ships with farhand ")
 
 
-def test_one_certificate_has_one_key(here) -> None:
+def test_one_certificate_has_one_key(here: Here) -> None:
     certificates = ["certificates", "create", "lab", "--operator", "anna"]
     assert here(*certificates).returncode == 0
     one, two = here("certificates", "operator", "lab", "ben"), here("certificates", "operator", "lab", "carl", "dora")
@@ -168,7 +170,9 @@ def test_a_full_disk_ends_a_command_without_a_traceback(command: list[str], tmp_
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT])
-def test_a_full_disk_is_named_by_the_file_where_that_is_known(number: int, here, monkeypatch) -> None:
+def test_a_full_disk_is_named_by_the_file_where_that_is_known(
+    number: int, here: Here, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError(number, os.strerror(number), "/disk/report.html")
 
@@ -179,21 +183,21 @@ def test_a_full_disk_is_named_by_the_file_where_that_is_known(number: int, here,
 
 
 @pytest.mark.parametrize(("site", "key"), [("local", "links.listen"), ("remote", "links.video")])
-def test_a_site_whose_port_is_taken_says_so(site: str, key: str, here) -> None:
+def test_a_site_whose_port_is_taken_says_so(site: str, key: str, here: Here) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         done = here(site, "--set", f"{key}=tcp/127.0.0.1:{taken.getsockname()[1]}")
     assert done.returncode == 1
     assert f"(process {os.getpid()}) has this port" in done.stderr
 
 
-def test_a_console_whose_port_is_taken_says_so_once(here) -> None:
+def test_a_console_whose_port_is_taken_says_so_once(here: Here) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         done = here("console", "--set", f"serve.port={taken.getsockname()[1]}")
     assert done.returncode == 1
     assert done.stderr.count(f"process {os.getpid()}") == 1
 
 
-def test_a_taught_run_beside_a_local_site_says_what_to_stop(here, tmp_path) -> None:
+def test_a_taught_run_beside_a_local_site_says_what_to_stop(here: Here, tmp_path: Path) -> None:
     (tmp_path / "task.toml").write_text(as_toml(TASK))
     with socket.create_server(("127.0.0.1", 0)) as taken:
         done = here("teach", "run", "task.toml", "--set", f"links.listen=tcp/127.0.0.1:{taken.getsockname()[1]}")
@@ -208,7 +212,9 @@ def test_the_command_line_loads_nothing_of_what_it_runs() -> None:
     assert done.stdout == "[]\n"
 
 
-def test_ctrl_c_before_anything_listens_to_it_ends_without_a_traceback(monkeypatch, capsys) -> None:
+def test_ctrl_c_before_anything_listens_to_it_ends_without_a_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     def interrupted() -> None:
         raise KeyboardInterrupt
 
@@ -241,7 +247,7 @@ def with_cameras(rig: Path) -> list[str]:
 
 
 @pytest.mark.slow
-def test_a_missing_camera_is_told(tmp_path: Path, here) -> None:
+def test_a_missing_camera_is_told(tmp_path: Path, here: Here) -> None:
     csv, rig = tmp_path / "points.csv", tmp_path / "rig.json"
     csv.write_text("\n".join(control_point_rows(SimulationConfig().stereo, 0.3, 1)) + "\n")
     calibrated = here("calibrate", "points", str(csv), "--out", str(rig))
@@ -254,7 +260,7 @@ def test_a_missing_camera_is_told(tmp_path: Path, here) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_more_cameras_than_the_rig_has_are_refused(tmp_path: Path, here) -> None:
+def test_more_cameras_than_the_rig_has_are_refused(tmp_path: Path, here: Here) -> None:
     rig = tmp_path / "rig.json"
     save_rig(exact_rig(SimulationConfig().stereo), rig)
     done = here("track", "--rig", str(rig), "--left", "a", "--right", "b", "--also", "c")
@@ -262,7 +268,7 @@ def test_more_cameras_than_the_rig_has_are_refused(tmp_path: Path, here) -> None
     assert "the rig has 2 cameras (left, right), but 3 are given" in done.stderr
 
 
-def test_a_rig_that_is_none_is_told(tmp_path: Path, here) -> None:
+def test_a_rig_that_is_none_is_told(tmp_path: Path, here: Here) -> None:
     rig = tmp_path / "rig.json"
     rig.write_text("{}")
     done = here(*with_cameras(rig))
@@ -270,7 +276,7 @@ def test_a_rig_that_is_none_is_told(tmp_path: Path, here) -> None:
     assert "farhand calibrate points" in done.stderr
 
 
-def test_a_calibration_file_with_a_nonsense_point_is_refused_by_its_line(tmp_path: Path, here) -> None:
+def test_a_calibration_file_with_a_nonsense_point_is_refused_by_its_line(tmp_path: Path, here: Here) -> None:
     csv = tmp_path / "points.csv"
     csv.write_text("X_mm,Y_mm,Z_mm,uL_px,vL_px,uR_px,vR_px\n0,0,0,1,2,3,4\n0,0,banana,1,2,3,4\n0,0,1,inf,2,3,4\n")
     out = tmp_path / "rig.json"

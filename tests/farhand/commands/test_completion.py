@@ -4,11 +4,13 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
+import typer
 
+from farhand.cli import app
 from farhand.commands.completion import arm_names, experiment_names, motion_names, setting_keys
 
 PROGRAM = "#!{python}\nimport sys\nsys.path[:0] = {path!r}\nfrom farhand.__main__ import main\nmain()\n"
@@ -21,7 +23,7 @@ printf '%s\\n' "${COMPREPLY[@]}"
 
 
 @pytest.fixture
-def completed(tmp_path: Path):
+def completed(tmp_path: Path) -> Callable[..., list[str]]:
     """What bash offers for the last of these words."""
     if shutil.which("bash") is None:
         pytest.skip("no bash here")
@@ -42,7 +44,7 @@ def completed(tmp_path: Path):
 
 
 @pytest.mark.slow
-def test_commands_options_and_choices_are_completed(completed) -> None:
+def test_commands_options_and_choices_are_completed(completed: Callable[..., list[str]]) -> None:
     assert completed("sta") == ["status"]
     assert completed("maintenance", "") == ["stop", "reset"]
     assert {"--config", "--set", "--save-views"} <= set(completed("local", "--"))
@@ -50,7 +52,7 @@ def test_commands_options_and_choices_are_completed(completed) -> None:
 
 
 @pytest.mark.slow
-def test_names_and_keys_are_completed_and_files_are_left_to_the_shell(completed) -> None:
+def test_names_and_keys_are_completed_and_files_are_left_to_the_shell(completed: Callable[..., list[str]]) -> None:
     assert completed("config", "show", "remote-") == ["remote-assist", "remote-thesis"]
     assert completed("loopback", "--driver", "k") == ["kinematic"]
     assert completed("remote", "--set", "robot.limits") == ["robot.limits_factor="]
@@ -72,7 +74,7 @@ def test_names_and_keys_are_completed_and_files_are_left_to_the_shell(completed)
 def test_a_command_completes_the_keys_of_the_sites_whose_settings_it_takes(
     words: str, incomplete: str, keys: set[str], others: set[str]
 ) -> None:
-    context = SimpleNamespace(command_path=f"farhand {words}")
+    context = typer.Context(typer.main.get_command(app), info_name=f"farhand {words}")
     found = set(setting_keys(context, incomplete))
     assert keys <= found
     assert not others & found

@@ -60,8 +60,7 @@ def _left_as_it_was() -> Iterator[None]:
 def test_the_last_line_counts_both(verdicts: Sequence[Verdict], summary: str, monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[DriverStand] = []
 
-    def verdicts_of(stand: DriverStand, report: Callable[[str], None]) -> dict[str, Verdict]:
-        assert report
+    def verdicts_of(stand: DriverStand, _report: Callable[[str], None]) -> dict[str, Verdict]:
         seen.append(stand)
         with stand.measure_pauses() as meter:  # of this thread, and of the process that sleeps and wakes
             assert len(meter.read().watched_ns) == 1

@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -25,7 +26,7 @@ LEAVES = {" ".join(words): command for words, command in walk() if not getattr(c
 
 def documented() -> dict[str, set[str]]:
     """The keys of each command's result, by the table of the document: what is in brackets is within them."""
-    found = {}
+    found: dict[str, set[str]] = {}
     for line in DOCUMENT.read_text(encoding="utf-8").splitlines():
         if line.startswith("| `"):
             commands, keys = line.strip("| ").split(" | ", 1)
@@ -36,7 +37,7 @@ def documented() -> dict[str, set[str]]:
 
 
 @pytest.fixture
-def play(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def play(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., Result]:
     """Runs a command's play in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
@@ -60,14 +61,14 @@ def test_no_command_forgets_it() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PLAYS)
-def test_a_result_is_one_json_object_with_the_documented_keys(name: str, play) -> None:
+def test_a_result_is_one_json_object_with_the_documented_keys(name: str, play: Callable[..., Result]) -> None:
     done = play(name, PLAYS[name], "--json")
     assert done.exit_code == PLAYS[name].code, done.exception
     assert done.stdout.isascii()
     assert set(json.loads(done.stdout)) == documented()[name]
 
 
-def test_what_a_site_says_is_kept_whole_and_does_nothing_to_a_terminal(play) -> None:
+def test_what_a_site_says_is_kept_whole_and_does_nothing_to_a_terminal(play: Callable[..., Result]) -> None:
     done = play("reset", PLAYS["reset"], "--json")
     assert json.loads(done.stdout) == {"done": True, "reason": REPLIED}
     assert "\x1b" not in done.output
@@ -75,7 +76,7 @@ def test_what_a_site_says_is_kept_whole_and_does_nothing_to_a_terminal(play) -> 
     assert play("reset", PLAYS["reset"]).stdout == "to reset: fault\nthe arm follows \\x1b[31mthe hand\n"
 
 
-def test_limits_and_way_points_are_numbers(play) -> None:
+def test_limits_and_way_points_are_numbers(play: Callable[..., Result]) -> None:
     limits = json.loads(play("limits", PLAYS["limits"], "--json").stdout)
     assert limits["limits"]["jerk_rad_s3"]["values"] == [1000.0] * len(limits["joints"])
     assert limits["ages"][0]["age_ms"] == 100.0
@@ -83,6 +84,6 @@ def test_limits_and_way_points_are_numbers(play) -> None:
     assert [point["at_s"] for point in shown["way_points"]] == sorted(point["at_s"] for point in shown["way_points"])
 
 
-def test_a_replay_on_the_page_has_no_result(play) -> None:
+def test_a_replay_on_the_page_has_no_result(play: Callable[..., Result]) -> None:
     done = play("replay", Play(["a.mcap"]), "--json")
     assert "--json is the verdict of --verify" in str(done.exception)

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -17,7 +18,7 @@ WITHOUT = (
 )
 
 
-def test_an_experiment_says_what_to_install(tmp_path) -> None:
+def test_an_experiment_says_what_to_install(tmp_path: Path) -> None:
     words = ["experiment", "follow", "--out", str(tmp_path / "out")]
     done = subprocess.run([sys.executable, "-c", WITHOUT, *words], capture_output=True, text=True, check=False)
     assert done.returncode == MISUSE

@@ -1,6 +1,7 @@
 """`farhand config check` finds all that is wrong at once, of keys, values, tables and the arm."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,7 @@ SITES = HERE / "sites"
 
 
 @pytest.fixture
-def check(tmp_path: Path):
+def check(tmp_path: Path) -> Callable[[str], Result]:
     """Checks a file of this text."""
 
     def run(text: str) -> Result:
@@ -32,7 +33,7 @@ def test_the_shipped_files_have_no_mistake_and_each_is_named_with_its_command() 
     assert len(done.output.splitlines()) == len(files)
 
 
-def test_what_would_come_in_a_second_round_comes_in_the_first(check) -> None:
+def test_what_would_come_in_a_second_round_comes_in_the_first(check: Callable[[str], Result]) -> None:
     done = check(
         "[robot]\nstart_deg = [0.0, 1.0]\nspeed = 'fast'\n[safety]\nt_soft_ms = 400\nt_latch_ms = 100\n"
         "[video]\nfsp = 30\n[driver]\nnmae = 'kinematic'\n"
@@ -43,18 +44,18 @@ def test_what_would_come_in_a_second_round_comes_in_the_first(check) -> None:
         assert [line for line in lines if words in line], (words, lines)
 
 
-def test_an_arm_is_not_judged_where_its_model_is_a_mistake(check) -> None:
+def test_an_arm_is_not_judged_where_its_model_is_a_mistake(check: Callable[[str], Result]) -> None:
     done = check("[robot]\nmodel = 7\nstart_deg = [0.0, 1.0]\n")
     assert len(done.output.splitlines()) == 1
     assert "robot.model: 7 is not allowed: give words in quotes, not a whole number" in done.output
 
 
-def test_what_is_wrong_between_tables_is_said_once(check) -> None:
+def test_what_is_wrong_between_tables_is_said_once(check: Callable[[str], Result]) -> None:
     (line,) = check("[simulation]\ntextured = true\n").output.splitlines()
     assert 'needs tracking.method = "monocular"' in line
 
 
-def test_an_empty_file_is_told_as_such(check) -> None:
+def test_an_empty_file_is_told_as_such(check: Callable[[str], Result]) -> None:
     (line,) = check("# nothing yet\n").output.splitlines()
     assert line.endswith("site.toml: empty, so that every default counts; to begin one: farhand config show remote")
 

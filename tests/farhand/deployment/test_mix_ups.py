@@ -17,7 +17,12 @@ from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
 
 SITES = HERE / "sites"
-PREFIXES = {"remote": RemoteConfig, "local": LocalConfig, "console": ConsoleConfig, "router": RouterConfig}
+PREFIXES: dict[str, type[Configuration]] = {
+    "remote": RemoteConfig,
+    "local": LocalConfig,
+    "console": ConsoleConfig,
+    "router": RouterConfig,
+}
 
 
 def kind_of(name: str) -> type[Configuration]:
@@ -32,7 +37,7 @@ def test_every_shipped_file_is_told_from_every_other_kind(name: str) -> None:
         assert bool(mix_up(path, kind)) == (kind is not own)
     for kind in set(KINDS) - {own}:
         with pytest.raises(ConfigError) as refused:
-            load_own(kind, path)
+            load_own(kind, path)  # type: ignore[type-var]  # each of the kinds
         assert str(refused.value).splitlines() == [
             f"{path} is a file of the {KINDS[own]}; this command takes one of the {KINDS[kind]}",
             f"for this file: farhand {COMMANDS[own]} --config {path}",

@@ -18,7 +18,8 @@ from remote_site.recording.kept_config import decode_config, encode_config
 ROOT = Path(__file__).parents[3]
 RELEASED = [line.split() for line in (ROOT / "tests/golden/release-0.1.0/keys.txt").read_text().splitlines()]
 NAMED = {name.split()[0]: kind for kind, name in KINDS.items()}
-UNRELEASED = {"engagement.automatic": RemoteConfig}  # gone before 0.1.0 was made, but in notes of it
+# Gone before 0.1.0 was made, but in notes of it.
+UNRELEASED: dict[str, type[Configuration]] = {"engagement.automatic": RemoteConfig}
 OWNERS = UNRELEASED | {key: NAMED[kind] for kind, key in RELEASED if key in REPLACED_KEYS}
 
 
@@ -65,7 +66,7 @@ def test_a_replaced_key_is_unknown_and_its_replacement_exists(key: str) -> None:
 def test_a_replaced_key_in_a_file_is_refused_at_its_line(key: str, tmp_path: Path) -> None:
     path, replacement = file_with(tmp_path, key, "12"), REPLACED_KEYS[key]
     with pytest.raises(ConfigError) as refused:
-        load_own(OWNERS[key], path)
+        load_own(OWNERS[key], path)  # type: ignore[type-var]  # whichever it is
     assert str(refused.value) == f"{path}:2: {key}: is replaced by {replacement.key}: {replacement.how}"
 
 

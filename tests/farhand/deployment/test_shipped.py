@@ -9,13 +9,14 @@ from typer.testing import CliRunner
 from common.config.loading import load_config, read_tables
 from common.errors import ConfigError
 from farhand.cli import app
+from farhand.deployment.kinds import Configuration
 from farhand.deployment.shipped import HERE, NAMES
 from farhand.router import RouterConfig
 from local_site.config import LocalConfig
 from local_site.console.config import ConsoleConfig
 from remote_site.config import RemoteConfig
 
-KINDS = {
+KINDS: dict[str, type[Configuration]] = {
     "console": ConsoleConfig,
     "local": LocalConfig,
     "local-cameras": LocalConfig,

@@ -211,7 +211,9 @@ def test_a_token_that_everybody_can_read_is_found(tmp_path: Path, mode: int, lev
         ("[[video.cameras]]\nname = 'front'\nsource = 'rtsp://127.0.0.1:1/x?password=s3cret'\n", 0o644, ["warning"]),
     ],
 )
-def test_a_cameras_password_that_everybody_can_read_is_found(tmp_path: Path, text: str, mode: int, levels: str) -> None:
+def test_a_cameras_password_that_everybody_can_read_is_found(
+    tmp_path: Path, text: str, mode: int, levels: list[str]
+) -> None:
     path = tmp_path / "site.toml"
     path.write_text(text)
     path.chmod(mode)
@@ -321,7 +323,7 @@ def test_a_setting_without_a_file_goes_to_the_site_that_knows_it(
 ) -> None:
     monkeypatch.setattr("farhand.doctor.site.CLOCK_TIMEOUT_NS", 200 * NS_PER_MS)
     found = [finding for finding in examine(None, (setting,)) if finding.check == "configuration"]
-    assert [finding.level for finding in found].count("error") == wrong, found
+    assert [finding.level for finding in found].count(Severity.ERROR) == wrong, found
 
 
 @pytest.mark.slow

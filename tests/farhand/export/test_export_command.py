@@ -13,7 +13,7 @@ from tests.farhand.export.test_recording import recorded  # noqa: F401  # a fixt
 def run(monkeypatch, capsys):
     def ended(*arguments):
         monkeypatch.setattr(sys, "argv", ["farhand", "export", *map(str, arguments)])
-        code = 0
+        code: str | int | None = 0
         try:
             main()
         except SystemExit as end:

@@ -28,7 +28,7 @@ FPS = 20
 
 
 @pytest.fixture(scope="module")
-def recorded(tmp_path_factory) -> Path:
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A site that engages, follows a moving hand for two seconds, and ends."""
     site = RecordedSite(tmp_path_factory.mktemp("site"), RecordConfig(task="wave"))
     site.loop.link.activate(CONFIG.robot.start)

@@ -1,6 +1,7 @@
 """What a loopback starts: whose a file or a setting is, which of them wins, and what is refused with its cure."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -17,7 +18,7 @@ def planned(*settings: str, configs: tuple[Path, ...] = (), driver: str | None =
 
 
 @pytest.fixture
-def file(tmp_path: Path):
+def file(tmp_path: Path) -> Callable[..., Path]:
     def write(text: str, name: str = "site.toml") -> Path:
         path = tmp_path / name
         path.write_text(text)
@@ -32,7 +33,7 @@ def test_the_shipped_files_of_both_sites_are_known_by_their_tables() -> None:
     assert plan.remote.load().cell == plan.local.load().cell == plan.console.load().cell == "cell"
 
 
-def test_a_files_links_give_way_to_free_ports_and_that_is_reported(file) -> None:
+def test_a_files_links_give_way_to_free_ports_and_that_is_reported(file: Callable[..., Path]) -> None:
     path = file(
         '[driver]\nname = "kinematic"\n[links]\ncontrol = "tls/robot:7447"\nrouter = "tls/meet:7450"\n'
         '[links.tls]\nca = "a"\ncertificate = "b"\nkey = "c"\n'
@@ -61,23 +62,23 @@ def test_the_cell_is_both_sites() -> None:
     assert {plan.remote.load().cell, plan.local.load().cell, plan.console.load().cell} == {"lab"}
 
 
-def test_the_cell_of_one_file_is_the_other_sites_too(file) -> None:
+def test_the_cell_of_one_file_is_the_other_sites_too(file: Callable[..., Path]) -> None:
     plan = planned(configs=(file('cell = "lab"\n[driver]\nname = "kinematic"\n'),))
     assert plan.local.load().cell == "lab"
 
 
-def test_settings_override_a_file_and_options_override_both(file) -> None:
+def test_settings_override_a_file_and_options_override_both(file: Callable[..., Path]) -> None:
     path = file('[driver]\nname = "simulated"\n[video]\ncalibrated = false\n')
     assert planned("driver.name=kinematic", configs=(path,)).remote.load().driver.name == "kinematic"
     assert planned("driver.name=c500c", configs=(path,), driver="kinematic").remote.load().driver.name == "kinematic"
 
 
-def test_a_file_overrides_what_the_loopback_only_prefers(file) -> None:
+def test_a_file_overrides_what_the_loopback_only_prefers(file: Callable[..., Path]) -> None:
     assert planned().remote.load().video.calibrated
     assert not planned(configs=(file("[video]\ncalibrated = false\n"),)).remote.load().video.calibrated
 
 
-def test_what_the_loopback_needs_follows_the_tracker_and_the_driver_of_a_file(file) -> None:
+def test_what_the_loopback_needs_follows_the_tracker_and_the_driver_of_a_file(file: Callable[..., Path]) -> None:
     path = file('[tracking]\nmethod = "markers"\n[authority]\noperator = "anna"\n')
     plan = planned("driver.name=c500c", configs=(path,))
     local = plan.local.load()
@@ -121,7 +122,7 @@ def test_a_driver_of_one_arm_brings_its_file(monkeypatch: pytest.MonkeyPatch) ->
         ("=", "not valid TOML"),
     ],
 )
-def test_a_file_that_does_not_fit_is_refused_with_its_cure(text: str, cure: str, file) -> None:
+def test_a_file_that_does_not_fit_is_refused_with_its_cure(text: str, cure: str, file: Callable[..., Path]) -> None:
     with pytest.raises(ConfigError, match=re.escape(cure)):
         planned(configs=(file(text),))
 
@@ -142,18 +143,18 @@ def test_a_setting_that_does_not_fit_is_refused_with_its_cure(setting: str, cure
         planned(setting)
 
 
-def test_two_files_for_one_site_are_refused(file) -> None:
+def test_two_files_for_one_site_are_refused(file: Callable[..., Path]) -> None:
     paths = file("[driver]\n", "a.toml"), file("[robot]\n", "b.toml")
     with pytest.raises(ConfigError, match=r"b\.toml are both for the remote site; give one file for each site"):
         planned(configs=paths)
 
 
-def test_two_cells_are_refused(file) -> None:
+def test_two_cells_are_refused(file: Callable[..., Path]) -> None:
     paths = file('cell = "a"\n[driver]\n', "a.toml"), file('cell = "b"\n[tracking]\n', "b.toml")
     with pytest.raises(ConfigError, match=re.escape("different cells (a, b)")):
         planned(configs=paths)
 
 
-def test_an_arm_beside_a_remote_sites_file_is_refused(file) -> None:
+def test_an_arm_beside_a_remote_sites_file_is_refused(file: Callable[..., Path]) -> None:
     with pytest.raises(ConfigError, match="leave it or --config out"):
         plan_of(LoopbackOptions(arm="humanoid", configs=(file("[driver]\n"),)))

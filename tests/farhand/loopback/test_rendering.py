@@ -13,7 +13,9 @@ from remote_site.video.cell_cameras import CURE
 FAILURE = ProcessError("the remote process ended (exit code 1): process video died")
 
 
-def test_without_egl_the_last_line_names_the_packages(monkeypatch, capsys) -> None:
+def test_without_egl_the_last_line_names_the_packages(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     class Failing:
         views_are_simulated = True
 
@@ -36,12 +38,12 @@ def test_without_egl_the_last_line_names_the_packages(monkeypatch, capsys) -> No
     assert "libegl1" in CURE
 
 
-def test_without_mujoco_the_last_line_names_the_extra(monkeypatch) -> None:
+def test_without_mujoco_the_last_line_names_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
     assert rendering_problem().splitlines()[-1] == "install it: pip install 'farhand[sim]'"
 
 
-def test_a_failure_of_another_kind_stays_as_it_is(monkeypatch) -> None:
+def test_a_failure_of_another_kind_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rendering, "rendering_problem", lambda: "")
     assert explained(FAILURE, views_are_simulated=True) is FAILURE
     monkeypatch.setattr(rendering, "rendering_problem", lambda: pytest.fail("real cameras need no EGL"))

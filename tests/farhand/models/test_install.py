@@ -95,7 +95,7 @@ def test_a_folder_that_cannot_be_made_is_refused_with_the_cure(tmp_path: Path) -
 
 def test_what_pip_says_is_passed_on_with_the_cure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     failed = subprocess.CompletedProcess([], 1, "", "a warning\nERROR: no such host\n")
-    monkeypatch.setattr(module.subprocess, "run", lambda *_args, **_options: failed)
+    monkeypatch.setattr(subprocess, "run", lambda *_args, **_options: failed)
     with pytest.raises(ModelError, match=r"no such host.*--from FILE"):
         module.install(tmp_path, None, lambda _: None)
 

@@ -66,7 +66,7 @@ def test_nothing_moves_before_the_key_is_held_and_then_the_path_is_run_from_wher
     fastest, before = 0.0, cell.base_T_tool
     while "approaches" in cell.reason:
         cell.pass_s(0.1)
-        fastest = max(fastest, np.linalg.norm(cell.base_T_tool[:3, 3] - before[:3, 3]) / 0.1)
+        fastest = max(fastest, float(np.linalg.norm(cell.base_T_tool[:3, 3] - before[:3, 3])) / 0.1)
         before = cell.base_T_tool
     assert fastest < 0.08
     assert off_m(cell, path, 0.0) < 0.02

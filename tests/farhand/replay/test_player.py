@@ -15,20 +15,29 @@ from common.recording.reader import RecordingReader
 from farhand.replay.console import RecordingPlayer
 from farhand.replay.playback import Playback
 from farhand.replay.recorded_scene import RecordedScene
+from local_site.console.model.frames import FrameSlots
 from local_site.console.model.page_messages import Ask, Play
 from local_site.console.model.seat import Visitor
+from local_site.console.page import Page
 from tests.farhand.replay.recorded_states import SECONDS, recorded_states
+from tests.present import present
 from tests.remote_site.driven_loop import CONFIG
 from tests.remote_site.recording.recorded_site import CAMERA, RecordedSite
 
 
-class CollectingPage:
+class EverySlot(FrameSlots):
+    """Takes the next picture whenever it comes."""
+
+    def wants_after(self, _view):
+        return None
+
+
+class CollectingPage(Page):
     """Stands in for a page: keeps what it is sent."""
 
     def __init__(self):
-        self.visitor, self.slots = Visitor(1, "here"), self
+        self.visitor, self.slots = Visitor(1, "here"), EverySlot()
         self.said, self.kinds, self.frames = [], {}, []
-        self.wants_after = lambda _view: None
 
     def send(self, **fields):
         self.said.append(fields)
@@ -169,7 +178,7 @@ def test_it_begins_when_the_first_page_comes_and_shows_a_later_one_its_pictures(
 def damaged(file, topic, out):
     """A copy of a recording in which the middle one of the chunks with this topic is spoilt."""
     with file.open("rb") as whole:
-        summary = make_reader(whole).get_summary()
+        summary = present(make_reader(whole).get_summary())
     (channel,) = (number for number, known in summary.channels.items() if known.topic == topic)
     chunks = [chunk for chunk in summary.chunk_indexes if channel in chunk.message_index_offsets]
     spoilt = chunks[len(chunks) // 2]

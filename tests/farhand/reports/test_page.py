@@ -40,7 +40,7 @@ def elements(words: str) -> list[tuple[str, list[str]]]:
     """Every element of a page about these words, with the names of its attributes."""
     found: list[tuple[str, list[str]]] = []
     parser = HTMLParser()
-    parser.handle_starttag = lambda tag, attributes: found.append((tag, [name for name, _ in attributes]))  # type: ignore[method-assign]
+    parser.handle_starttag = lambda tag, attrs: found.append((tag, [name for name, _ in attrs]))  # type: ignore[method-assign]
     parts = [heading(words), paragraph(words), table([words], [[words]]), picture(words, words, f"c{words}")]
     parser.feed(page(words, [*parts, files([words])]))
     return found

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from common.cameras.camera import Image
 from farhand.reports.plotting import describe_panel, panels, png, widen
+from tests.present import present
 
 WITHOUT_MATPLOTLIB = (
     "import sys; sys.modules['matplotlib'] = None; sys.argv[0] = 'farhand';from farhand.__main__ import main; main()"
@@ -23,7 +23,7 @@ RED = {"color": "#ff0000", "linewidth": 3.0}
 
 def red_columns(content: bytes) -> list[int]:
     """The numbers of the picture's columns with the curve's colour in them."""
-    picture: Image = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+    picture = present(cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR))
     return [int(column) for column in np.flatnonzero((picture == (0, 0, 255)).all(axis=2).any(axis=0))]
 
 

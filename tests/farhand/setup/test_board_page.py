@@ -8,6 +8,7 @@ import pytest
 from farhand.setup.board_page import BOARD, PAPERS, RULER_MM, board_page
 from farhand.setup.pdf import BlackRectangle, PrintedPage, PrintedWords, pdf_of
 from local_site.calibration.boards import BoardFinder
+from tests.present import present
 
 POINTS_PER_MM = 72 / 25.4
 PX_PER_MM = 4
@@ -44,15 +45,15 @@ def test_the_file_is_a_valid_pdf_of_the_papers_size(paper):
     assert pdf.startswith(b"%PDF-1.4\n")
     assert pdf.endswith(b"%%EOF\n")
     assert b"/Type /Page /Parent 2 0 R" in pdf
-    begin = int(re.search(rb"startxref\n(\d+)\n", pdf)[1])
+    begin = int(present(re.search(rb"startxref\n(\d+)\n", pdf))[1])
     table = pdf[begin:].split(b"trailer")[0].splitlines()
     assert table[:2] == [b"xref", b"0 6"]
     assert all(len(line) == 19 for line in table[2:]), "entries have 20 bytes with their end of line"
     for number, line in enumerate(table[3:], start=1):
         assert pdf[int(line[:10]) :].startswith(b"%d 0 obj\n" % number)
-    length, content = re.search(rb"/Length (\d+) >>\nstream\n(.*?)\nendstream", pdf, re.DOTALL).groups()
+    length, content = present(re.search(rb"/Length (\d+) >>\nstream\n(.*?)\nendstream", pdf, re.DOTALL)).groups()
     assert int(length) == len(content)
-    box = re.search(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", pdf).groups()
+    box = present(re.search(rb"/MediaBox \[0 0 ([\d.]+) ([\d.]+)\]", pdf)).groups()
     assert [float(value) for value in box] == pytest.approx([POINTS_PER_MM * mm for mm in PAPERS[paper]], abs=1e-3)
 
 
@@ -93,7 +94,7 @@ def test_everything_is_within_what_printers_print(paper):
 @pytest.mark.parametrize("paper", PAPERS)
 def test_opencv_finds_all_corners_where_the_page_has_them(paper):
     pdf = written(paper)
-    view = BoardFinder(BOARD).find(rendered(pdf, paper))
+    view = present(BoardFinder(BOARD).find(rendered(pdf, paper)))
     assert view.ids.tolist() == list(range(len(BOARD.corners)))
     left = (PAPERS[paper][0] - 1000 * BOARD.square * BOARD.columns) / 2
     expected = PX_PER_MM * (1000 * BOARD.corners[:, :2] + (left, 8.0)) - 0.5

@@ -18,12 +18,13 @@ from farhand.setup.room import (
 from local_site.simulation.config import SimulationConfig
 from local_site.simulation.operator import SimulatedOperator
 from local_site.tracking.features.silhouette import find_silhouette
+from tests.present import present
 
 
 def arm(gain=1.0, wall=0.0):
     """The simulated operator's arm, its light times a gain before a wall of this grey level, and its outline."""
     (picture,) = SimulatedOperator(SimulationConfig()).render(0.0, (0,))
-    outline = find_silhouette(picture, 60.0).contour.astype(np.int32)
+    outline = present(find_silhouette(picture, 60.0)).contour.astype(np.int32)
     mask = cv2.fillPoly(np.zeros_like(picture), [outline.reshape(-1, 1, 2)], 1) > 0
     lit = np.where(mask, np.clip(gain * picture.astype(float), 0, 255), np.maximum(picture, wall))
     return lit.astype(np.uint8), outline
@@ -32,7 +33,7 @@ def arm(gain=1.0, wall=0.0):
 def test_the_arm_and_what_is_around_it_are_measured_apart():
     dark, outline = arm()
     bright, _ = arm(wall=100.0)
-    before_dark, before_bright = arm_in_picture(dark, outline), arm_in_picture(bright, outline)
+    before_dark, before_bright = present(arm_in_picture(dark, outline)), present(arm_in_picture(bright, outline))
     assert before_dark.light == before_bright.light
     assert before_bright.around == pytest.approx(100.0, abs=3.0)
     assert before_dark.contrast - before_bright.contrast == pytest.approx(100.0 - before_dark.around, abs=4.0)
@@ -41,7 +42,8 @@ def test_the_arm_and_what_is_around_it_are_measured_apart():
 def test_colour_is_measured_as_grey():
     picture, outline = arm()
     colour = cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR)
-    assert arm_in_picture(colour, outline).contrast == pytest.approx(arm_in_picture(picture, outline).contrast, abs=0.5)
+    in_colour, in_grey = (present(arm_in_picture(shown, outline)) for shown in (colour, picture))
+    assert in_colour.contrast == pytest.approx(in_grey.contrast, abs=0.5)
 
 
 def test_an_outline_without_an_inside_gives_nothing():
@@ -55,7 +57,7 @@ def test_an_outline_without_an_inside_gives_nothing():
 )
 def test_light_on_the_arm_is_judged(gain, level, words):
     picture, outline = arm(gain)
-    finding = judge_light("left", arm_in_picture(picture, outline).light, "on the arm")
+    finding = judge_light("left", present(arm_in_picture(picture, outline)).light, "on the arm")
     assert finding.level is level, finding.sentence
     assert words in finding.sentence
     assert bool(finding.cure) == (level is Severity.WARNING)
@@ -63,11 +65,11 @@ def test_light_on_the_arm_is_judged(gain, level, words):
 
 def test_contrast_counts_for_a_tracker_that_needs_a_dark_background_only():
     picture, outline = arm(wall=150.0)
-    contrast = arm_in_picture(picture, outline).contrast
+    contrast = present(arm_in_picture(picture, outline)).contrast
     assert judge_contrast("left", contrast, needs_dark=True).cure.startswith("a darker and plainer background")
     assert judge_contrast("left", contrast, needs_dark=False).level is Severity.OK
     dark, _ = arm()
-    assert judge_contrast("left", arm_in_picture(dark, outline).contrast, needs_dark=True).level is Severity.OK
+    assert judge_contrast("left", present(arm_in_picture(dark, outline)).contrast, needs_dark=True).level is Severity.OK
 
 
 def test_a_view_without_an_arm_is_judged_by_what_stands_out():

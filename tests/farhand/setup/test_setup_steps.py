@@ -25,6 +25,7 @@ from local_site.simulation.config import SimulationConfig
 from tests.farhand.setup.board_cameras import BoardCamera
 from tests.farhand.setup.operator_views import FilmedCamera, filmed, views_of
 from tests.farhand.setup.scripted_person import ScriptedPerson, no_bar
+from tests.present import present
 
 NO_TRIAL = {"Try the tracker": "n"}
 SCRIPT = {"rulers": "", "ruler": "98.5", "left, seen": "1", **NO_TRIAL}
@@ -82,7 +83,7 @@ def test_a_setup_that_was_left_keeps_its_pairs_and_goes_on(tmp_path):
 
         def read(self):
             frame = super().read()
-            if self.name == "right" and frame.seq == 30:
+            if self.name == "right" and present(frame).seq == 30:
                 raise KeyboardInterrupt
             return frame
 

@@ -14,7 +14,7 @@ from common.process.service import StopFlag
 from farhand.status import watch
 from farhand.status.observed import Observed
 from farhand.status.watch import NARROW, show_status
-from farhand.status.words import Row
+from farhand.status.words import Row, rows_of
 from local_site.console.config import ConsoleConfig, ConsoleLinksConfig
 from tests.common.link.secured_cell import CELL, Cell, free_port, running
 
@@ -43,15 +43,15 @@ def shown(cell: Cell, should_stop: StopFlag, *, terminal: bool, once: bool = Fal
 
 
 def test_a_terminal_is_redrawn_until_it_is_asked_to_stop(cell: Cell, monkeypatch: pytest.MonkeyPatch) -> None:
-    should_stop, drawn, in_words = StopFlag(), [], watch.rows_of
+    should_stop, drawn = StopFlag(), []
 
-    def rows_of(seen: Observed, state: RobotState, now_ns: int, software: str) -> list[Row]:
+    def rows(seen: Observed, state: RobotState, now_ns: int, software: str) -> list[Row]:
         drawn.append(now_ns)
         if len(drawn) == 3:
             should_stop.set()
-        return in_words(seen, state, now_ns, software)
+        return rows_of(seen, state, now_ns, software)
 
-    monkeypatch.setattr(watch, "rows_of", rows_of)
+    monkeypatch.setattr(watch, "rows_of", rows)
     told = shown(cell, should_stop, terminal=True)
     assert len(drawn) == 3
     assert "Ctrl-C ends this" in told

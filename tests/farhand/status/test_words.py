@@ -13,6 +13,7 @@ from common.messages.video import CameraStatus
 from farhand.status.observed import Observed
 from farhand.status.watch import as_lines, screen
 from farhand.status.words import Mood, rows_of
+from tests.present import present
 
 NOW_NS = 500 * NS_PER_S
 with_ = msgspec.structs.replace
@@ -31,7 +32,7 @@ def rows(state=golden.STATE, seen=None, now_ns=NOW_NS, software="0.1.0"):
 
 
 def test_an_engaged_cell_in_words():
-    lease = with_(golden.STATE.lease, expires_ns=golden.STATE.t_ns + 4_200 * NS_PER_MS)
+    lease = with_(present(golden.STATE.lease), expires_ns=golden.STATE.t_ns + 4_200 * NS_PER_MS)
     state = with_(golden.STATE, lease=lease)
     told = rows(state)
     assert told["state"].words == "engaged: following the hand"
@@ -40,7 +41,7 @@ def test_an_engaged_cell_in_words():
     assert told["asked for"].words.endswith("consents with: farhand lease give ben")
     assert told["readiness"].words == "the arm is engaged"
     assert told["refused"].words == "2 stale, since the remote site started"
-    link = state.hand_link
+    link = present(state.hand_link)
     assert told["hand samples"].words.startswith(f"{1000 / link.interval_ms:.1f} a second")
     age = f"{link.age_ms:.0f} ms at arrival"
     assert told["hand age"].words.startswith(age)

@@ -1,6 +1,7 @@
 """A task from a path: the gripper's way points with their rests, the frame, and no hesitation."""
 
 from itertools import combinations
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -69,7 +70,7 @@ def test_the_table_and_the_picture_have_every_way_point():
 def test_no_number_in_the_picture_covers_another_where_way_points_lie_close_together():
     crowd = [(40.0 + 3 * k % 7, 5.0 * (k % 2), 60.0) for k in range(20)]
     places = [(0.0, 0.0, 0.0), *crowd, (200.0, 100.0, 0.0)]
-    grips = {5: "closed", 21: "open"}
+    grips: dict[int, Literal["open", "closed"]] = {5: "closed", 21: "open"}
     points = [WayPoint(xyz_mm=at, rotation_deg=(0.0, 0.0, 0.0), gripper=grips.get(k)) for k, at in enumerate(places)]
     figure = plotted(TaskFile(task=ORIGIN, waypoints=tuple(points)))
     for axes in figure.axes:

@@ -49,7 +49,7 @@ def off_polyline_mm(path, task):
 @given(st.lists(st.tuples(PLACE, TURN), min_size=2, max_size=6))
 def test_speeds_and_blend_are_kept_and_every_way_point_has_its_mark(points):
     assume(any(math.dist(place, points[0][0]) > 1.0 for place, _ in points))
-    task = task_of(*(at(*place, turn) for place, turn in points))
+    task = task_of(*(at(x, y, z, turn) for (x, y, z), turn in points))
     path = planned_path(task)
     assert max(speeds_mm_s(path)) <= 1.02 * task.motion.speed_mm_s
     turns = [
@@ -60,8 +60,8 @@ def test_speeds_and_blend_are_kept_and_every_way_point_has_its_mark(points):
     assert off_polyline_mm(path, task) <= task.motion.blend_mm + 0.05
     assert len(path.marks) == len(points)
     assert list(path.marks) == sorted(path.marks)
-    for (place, turn), mark in zip(points, path.marks, strict=True):
-        pose, wanted = path.base_T_tool(mark), at(*place, turn).frame_T_tool
+    for ((x, y, z), turn), mark in zip(points, path.marks, strict=True):
+        pose, wanted = path.base_T_tool(mark), at(x, y, z, turn).frame_T_tool
         assert 1e3 * np.linalg.norm(pose[:3, 3] - wanted[:3, 3]) <= task.motion.blend_mm + 1.0
         assert angle_between(pose[:3, :3], wanted[:3, :3]) <= math.radians(BLEND_DEG + 1.0)
 

@@ -31,7 +31,7 @@ EXCHANGED = "the views do not fit together: out of sync, exchanged, or moved sin
 class Ended:
     """How a command ended."""
 
-    code: int
+    code: str | int | None
     out: str
     err: str
 
@@ -44,7 +44,7 @@ def track(monkeypatch, capsys, tmp_path):
 
     def run(*arguments):
         monkeypatch.setattr(sys, "argv", ["farhand", "track", "--rig", "rig.json", *map(str, arguments)])
-        code = 0
+        code: str | int | None = 0
         try:
             main()
         except SystemExit as ended:

@@ -31,6 +31,9 @@ class Recording:
     def read(self):
         return next(self._frames, None)
 
+    def close(self):
+        pass
+
 
 class Scripted:
     """A tracker that answers as a test wants it to: an estimate from the time."""

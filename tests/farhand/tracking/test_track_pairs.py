@@ -11,6 +11,7 @@ from msgspec.structs import replace
 
 from common.cameras.camera import Frame
 from common.errors import CameraError, ConfigError
+from common.messages.hand import TrackingStatus
 from farhand.tracking.recorded_pairs import RecordedPairs
 from farhand.tracking.results.outputs import TrackOutputs, annotated_pictures, json_lines
 from farhand.tracking.summary import describe
@@ -24,6 +25,7 @@ from local_site.simulation.cameras import exact_rig
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.annotate import LINE_HEIGHT_PX
 from local_site.tracking.choice import TrackingConfig
+from tests.present import present
 
 IMAGE = np.full((48, 64), 8, np.uint8)
 
@@ -169,7 +171,7 @@ def test_pictures_of_another_size_than_calibrated_are_refused_and_an_earlier_tra
 
 
 def test_an_interruption_keeps_the_pairs_tracked_so_far(tmp_path):
-    done = []
+    done: list[int] = []
     summary = track_recording(
         exact_rig(StereoConfig()),
         Recording(0, 10, 20),
@@ -202,7 +204,7 @@ def test_what_is_no_file_is_written_through(tmp_path):
 
 def test_dark_recordings_give_lost_lines_and_their_summary(tmp_path):
     annotated = tmp_path / "pictures"
-    done = []
+    done: list[int] = []
     summary = track_recording(
         exact_rig(StereoConfig()),
         Recording(0, 10),
@@ -210,7 +212,7 @@ def test_dark_recordings_give_lost_lines_and_their_summary(tmp_path):
         [json_lines(tmp_path / "track.jsonl"), annotated_pictures(annotated)],
         done.append,
     )
-    assert (summary.pairs, summary.statuses["lost"], summary.found["wrist"]) == (2, 2, 0)
+    assert (summary.pairs, summary.statuses[TrackingStatus.LOST], summary.found["wrist"]) == (2, 2, 0)
     assert done == [1, 2]
     assert len((tmp_path / "track.jsonl").read_text().splitlines()) == 2
     assert sorted(p.name for p in annotated.iterdir()) == ["000000.png", "000001.png"]
@@ -236,4 +238,4 @@ def test_the_command_tracks_four_cameras(tmp_path):
     given = TrackSources(tmp_path / "rig.json", left, right, None, markers, tuple(also))
     summary = run_track(given, TrackOutputs(tmp_path / "track.jsonl", tmp_path / "pictures"))
     assert describe(summary, []).startswith("1 pairs: 1 lost")
-    assert cv2.imread(str(tmp_path / "pictures" / "000000.png")).shape == (48 + LINE_HEIGHT_PX, 4 * 64, 3)
+    assert present(cv2.imread(str(tmp_path / "pictures" / "000000.png"))).shape == (48 + LINE_HEIGHT_PX, 4 * 64, 3)

@@ -13,6 +13,7 @@ from lab.experiments.following import film
 from lab.experiments.run import run_experiment
 from local_site.simulation.config import MotionConfig, SimulationConfig
 from local_site.tracking.choice import TrackingConfig
+from tests.present import present
 
 VARIANTS = {"mean_5fps": 5, "kinematic_30fps": 30, "mujoco_30fps": 30, "c500c_30fps": 30}
 
@@ -42,16 +43,16 @@ def test_the_folder_holds_report_plots_and_data_beside_what_was_there(folder):
     page = (folder / "report.html").read_text()
     assert all(name in page for name in plots | data)
     for name in plots:
-        picture = cv2.imread(str(folder / name))
+        picture = present(cv2.imread(str(folder / name)))
         for curve in (TOOL, HAND_MEASURED):
-            blue_green_red = [int(curve["color"][k : k + 2], 16) for k in (5, 3, 1)]
-            assert (picture == blue_green_red).all(axis=2).sum() > 500
+            blue_green_red = [int(str(curve["color"])[k : k + 2], 16) for k in (5, 3, 1)]
+            assert np.all(picture == blue_green_red, axis=2).sum() > 500
 
 
 @pytest.mark.parametrize(("variant", "fps"), VARIANTS.items())
 def test_the_data_has_a_row_for_every_frame(variant, fps, folder, report):
     table = np.genfromtxt(folder / f"follow_{variant}.csv", delimiter=",", names=True)
-    assert len(table.dtype.names) == 2 + 3 * 5 + 2
+    assert len(present(table.dtype.names)) == 2 + 3 * 5 + 2
     assert (np.diff(table["frame"]) == 1).all()
     np.testing.assert_allclose(table["t_s"], table["frame"] / fps, atol=1e-3)
     assert table["t_s"][0] == pytest.approx(report[variant]["engaged_s"], abs=1e-3)

@@ -17,8 +17,8 @@ from lab.experiments.follow_figures import (
 
 BASE_R_OPERATOR = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 AHEAD = np.array([-0.12, 0.0, 0.08])
-FRAMES_NS = np.arange(0, 10 * NS_PER_S, NS_PER_S // 30)
-TRUTH_NS = np.arange(0, 11 * NS_PER_S, 10 * NS_PER_MS)
+FRAMES_NS = np.arange(0, 10 * NS_PER_S, NS_PER_S // 30, dtype=np.int64)
+TRUTH_NS = np.arange(0, 11 * NS_PER_S, 10 * NS_PER_MS, dtype=np.int64)
 
 
 def motion(times_ns):

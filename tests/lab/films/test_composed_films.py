@@ -11,6 +11,7 @@ from lab.films.composed import ComposedFilm, composed_film, cut_out
 from lab.films.scenes import RECORDINGS
 from lab.films.surroundings import FilmSetting
 from local_site.calibration.triangulation import project
+from tests.present import present
 
 needs_recordings = pytest.mark.skipif(not RECORDINGS.exists(), reason="the recordings are not here")
 WALL, ARM, RADIUS = 9, 150, 30
@@ -26,14 +27,14 @@ def disc(radius=RADIUS):
 
 
 def test_the_matte_covers_what_the_arm_covers():
-    cutout = cut_out(disc())
+    cutout = present(cut_out(disc()))
     assert cutout.matte.sum() / 255.0 == pytest.approx(np.pi * RADIUS**2, rel=0.03)
     rows, columns = np.nonzero(cutout.matte > 128)
     assert (rows.mean() + cutout.top, columns.mean() + cutout.left) == pytest.approx((60.0, 70.0), abs=0.3)
 
 
 def test_no_dark_rim_is_left_at_the_edge():
-    cutout = cut_out(disc())
+    cutout = present(cut_out(disc()))
     assert cutout.grey[cutout.matte > 64].min() > ARM - 15
 
 
@@ -47,11 +48,12 @@ def test_the_truth_lies_on_skin_of_the_tone(tone):
     film = composed_film(ComposedFilm(name="x", recording="yz", tone=tone, setting=FilmSetting(room="office")))
     instant = next(islice(film.instants(), 12, None))
     for view, matrix in zip(instant.views.views, film.rig.matrices, strict=True):
-        middle = (instant.truth.arm.elbow + instant.truth.arm.wrist) / 2
+        arm = present(instant.truth).arm
+        middle = (arm.elbow + arm.wrist) / 2
         x, y = np.round(project(matrix, middle)).astype(int)
         blue, green, red = view.current.image[y - 4 : y + 5, x - 4 : x + 5].reshape(-1, 3).mean(axis=0)
         assert red > 1.1 * green > 1.1 * blue
-    light = cv2.cvtColor(np.uint8([[TONES[tone]]]), cv2.COLOR_RGB2GRAY)[0, 0]
+    light = cv2.cvtColor(np.array([[TONES[tone]]], np.uint8), cv2.COLOR_RGB2GRAY)[0, 0]
     assert 0.3 * light < green < 1.3 * light
 
 

@@ -13,6 +13,7 @@ from lab.films.scenes import recorded, recorded_scenes, simulated, simulated_sce
 from local_site.calibration.triangulation import project
 from local_site.simulation.cameras import control_point_rows
 from local_site.simulation.config import MotionConfig, MotionName, SimulationConfig, StereoConfig
+from tests.present import present
 
 STEREO = StereoConfig(width_px=320, height_px=240, focal_px=400.0)
 CONFIG = SimulationConfig(stereo=STEREO, motion=MotionConfig(name="figure_of_eight", still_s=0.0))
@@ -42,7 +43,7 @@ def test_the_truth_of_a_simulated_instant_lies_on_the_arm_in_its_pictures():
     instants = list(scene.instants())
     assert [i.views.t_ns for i in instants] == [round(k * 1e9 / 30) for k in range(6)]
     for view, matrix in zip(instants[3].views.views, scene.rig.matrices, strict=True):
-        x, y = np.round(project(matrix, instants[3].truth.wrist)).astype(int)
+        x, y = np.round(project(matrix, present(instants[3].truth).wrist)).astype(int)
         assert view.current.image[y, x] > 2 * np.median(view.current.image)
 
 
@@ -60,8 +61,8 @@ def test_recordings_are_found_with_their_rig_and_truth(tmp_path):
     instants = list(scenes[1].instants())
     assert len(instants) == 3
     assert scenes[1].methods == ("silhouette", "learned")
-    assert instants[2].truth.index == pytest.approx(POINT)
-    assert instants[2].truth.hand_open
+    assert present(instants[2].truth).index == pytest.approx(POINT)
+    assert present(instants[2].truth).hand_open
     assert [v.current.image.mean() for v in instants[2].views.views] == pytest.approx([40, 40], abs=2)
 
 

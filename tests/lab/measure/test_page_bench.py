@@ -3,14 +3,18 @@
 import numpy as np
 
 from common.clock import NS_PER_MS
+from lab.measure.page.chromium import Tab
 from lab.measure.page.painted_clock import PageClock, ages_ms
 from lab.stage.clock_strip import draw_clock
 
 EXPOSED_MS = 4_000_000
 
 
-class Page:
+class Page(Tab):
     """Has painted two pictures, of which one cannot be read."""
+
+    def __init__(self) -> None:
+        """No browser."""
 
     def evaluate(self, _script: str) -> list[list[object]]:
         image = np.zeros((240, 44 * 4, 3), np.uint8)

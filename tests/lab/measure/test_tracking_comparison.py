@@ -39,11 +39,11 @@ def compare(monkeypatch, answers, scene=SCENE):
     """Figures, totals and text of a comparison whose MediaPipe answers this many pairs."""
     monkeypatch.setattr(tracking, "install", lambda: "python")
 
-    def start(_python):
-        return nullcontext(Stub(answers))
+    class StubbedHands(MediaPipeHands):
+        def __new__(cls, _python):
+            return nullcontext(Stub(answers))
 
-    start.name, start.needed = MediaPipeHands.name, MediaPipeHands.needed
-    monkeypatch.setattr(tracking, "MediaPipeHands", start)
+    monkeypatch.setattr(tracking, "MediaPipeHands", StubbedHands)
     console = Console(width=120, record=True, file=io.StringIO())
     with ExitStack() as others:
         comparison = Comparison(console, others)

@@ -49,9 +49,9 @@ def test_movements_follow_on_each_other_without_a_jump():
 def test_the_noise_has_the_spread_that_the_motor_names():
     motor = Motor()
     hand = ScriptedHand(motor, seed=3)
-    seen = [hand.at(t) for t in np.arange(5.0, 405.0, 0.25)]
-    for noise, sigma in ((0, motor.noise_m), (1, motor.noise_rad)):
-        assert np.std([s[noise] for s in seen], axis=0) == pytest.approx(3 * [sigma], rel=0.15)
+    places, turns, *_ = zip(*(hand.at(t) for t in np.arange(5.0, 405.0, 0.25)), strict=True)
+    for noise, sigma in ((places, motor.noise_m), (turns, motor.noise_rad)):
+        assert np.std(np.array(noise), axis=0) == pytest.approx(3 * [sigma], rel=0.15)
 
 
 def test_the_same_seed_trembles_alike_and_another_does_not():

@@ -2,6 +2,7 @@
 
 import queue
 import threading
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,7 @@ class ScriptedCamera:
 
     def __init__(self, name, frames=()):
         self.name = name
-        self.script = queue.Queue()
+        self.script = queue.Queue[Any]()
         for item in frames:
             self.script.put(item)
         self.closed = threading.Event()

@@ -8,6 +8,7 @@ from common.clock import NS_PER_MS, NS_PER_S, FakeClock
 from common.errors import CameraError
 from local_site.acquisition import rig_cameras
 from local_site.acquisition.rig_cameras import PacedRecording, RecordingStart
+from tests.present import present
 
 START_NS = 41_953 * NS_PER_S
 FRAME_MS = 40
@@ -43,9 +44,9 @@ def test_it_begins_when_the_first_camera_is_read_and_for_all_at_once():
     start = RecordingStart(clock)
     left, right = PacedRecording(Recording(2), start), PacedRecording(Recording(2), start)
     clock.advance_ms(700)
-    first = left.read()
+    first = present(left.read())
     clock.advance_ms(5)
-    assert right.read().capture_ns == first.capture_ns == START_NS + 700 * NS_PER_MS
+    assert present(right.read()).capture_ns == first.capture_ns == START_NS + 700 * NS_PER_MS
 
 
 def test_name_and_end_are_the_recordings():

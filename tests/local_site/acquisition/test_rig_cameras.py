@@ -52,7 +52,7 @@ def test_each_camera_has_its_name_from_the_rig(opened, count):
     names = ("left", "right", "third", "fourth")[:count]
     cameras = open_rig_cameras(rig_of(*names), list(range(count)), 30.0)
     assert cameras == opened
-    assert [(camera.source, camera.name) for camera in cameras] == list(enumerate(names))
+    assert [(camera.source, camera.name) for camera in opened] == list(enumerate(names))
 
 
 @pytest.mark.parametrize("count", [2, 4])

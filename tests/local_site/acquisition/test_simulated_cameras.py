@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from local_site.acquisition.simulated_cameras import (
 from local_site.simulation.config import BodyConfig, MotionConfig, PictureConfig, SimulationConfig, StereoConfig
 from local_site.simulation.operator import SimulatedOperator, make_operator
 from local_site.simulation.room.config import RoomConfig
+from tests.present import present
 
 SMALL = StereoConfig(width_px=160, height_px=120, focal_px=200.0)
 CONFIG = SimulationConfig(stereo=SMALL, fps=100.0)
@@ -61,7 +63,7 @@ def loop(clock, published, offset_ms=0.0):
 
 
 def test_both_views_of_a_pair_carry_the_instant_of_the_rendered_pose():
-    clock, published = FakeClock(7), []
+    clock, published = FakeClock(7), list[Any]()
     exposures = loop(clock, published)
     exposures.expose_next()
     exposures.expose_next()
@@ -77,7 +79,7 @@ def test_both_views_of_a_pair_carry_the_instant_of_the_rendered_pose():
 
 
 def test_a_slow_renderer_skips_exposures_instead_of_falling_behind():
-    clock, published = FakeClock(0), []
+    clock, published = FakeClock(0), list[Any]()
     exposures = loop(clock, published)
     exposures.expose_next()
     clock.advance_ms(43.0)
@@ -88,7 +90,7 @@ def test_a_slow_renderer_skips_exposures_instead_of_falling_behind():
 
 
 def test_an_offset_camera_is_rendered_though_the_other_took_its_time():
-    clock, published = FakeClock(0), []
+    clock, published = FakeClock(0), list[Any]()
     exposures = loop(clock, published, offset_ms=2.0)
     for _ in range(6):
         exposures.expose_next()
@@ -101,19 +103,19 @@ def test_the_ring_gives_the_newest_frame_once():
     assert ring.newest(-1) is None
     for k in range(SLOTS + 3):
         ring.publish(np.full((3, 4), k, np.uint8), 100 + k)
-    frame = ring.newest(-1)
+    frame = present(ring.newest(-1))
     assert (frame.seq, frame.capture_ns, frame.image.max()) == (SLOTS + 2, 100 + SLOTS + 2, SLOTS + 2)
     assert ring.newest(frame.seq) is None
     ring.publish(np.zeros((3, 4), np.uint8), 200)
     assert frame.image.max() == SLOTS + 2
-    assert ring.newest(frame.seq).seq == SLOTS + 3
+    assert present(ring.newest(frame.seq)).seq == SLOTS + 3
 
 
 def test_the_ring_carries_colour():
     ring = FrameRing(4, 3, in_colour=True)
     image = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)
     ring.publish(image, 100)
-    assert np.array_equal(ring.newest(-1).image, image)
+    assert np.array_equal(present(ring.newest(-1)).image, image)
 
 
 def filmed(config):
@@ -213,7 +215,7 @@ def running(pid):
 
 def test_the_renderer_dies_with_its_parent():
     with subprocess.Popen([sys.executable, "-c", PARENT], stdout=subprocess.PIPE, text=True) as parent:
-        renderer = int(parent.stdout.readline())
+        renderer = int(present(parent.stdout).readline())
         assert running(renderer)
         parent.kill()
     until(lambda: not running(renderer), "the end of its renderer", 20.0)

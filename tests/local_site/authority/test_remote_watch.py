@@ -7,7 +7,8 @@ from structlog.testing import capture_logs
 
 import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_MS
-from common.messages.robot import SessionState
+from common.link.pubsub import Latest
+from common.messages.robot import RobotState, SessionState
 from local_site.authority.remote_watch import ChannelHealth, RemoteWatch
 
 LEASE = SimpleNamespace(session=7, asked_by=None)
@@ -34,7 +35,7 @@ def state_in(word):
     return state(word=word, code="stale" if word == "holding" else "ok")
 
 
-class States:
+class States(Latest[RobotState]):
     """Gives one state after another."""
 
     def __init__(self, *states):
@@ -46,7 +47,7 @@ class States:
 
 def test_who_waits_is_told_of_the_hands_origin_under_the_own_lease_alone():
     for session, told in ((LEASE.session, [123]), (LEASE.session + 1, [])):
-        heard = []
+        heard: list[int] = []
         states = States(state(), state(SimpleNamespace(hand_capture_ns=123)))
         watch = RemoteWatch(states, session, heard.append)
         watch.poll(1)

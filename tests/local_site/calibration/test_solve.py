@@ -19,6 +19,7 @@ from tests.local_site.calibration.plate_cameras import (
     camera,
     control,
 )
+from tests.present import present
 
 DATA = Path(__file__).parents[4] / "shared/data/recordings"
 INSIDE = np.random.default_rng(7).uniform(0.1, 0.9, (40, 3))
@@ -44,7 +45,7 @@ def test_exact_points_are_given_back_to_a_twentieth_of_a_millimetre(k, aspect):
     rig = solve_rig(control(cameras), "now")
     assert worst_mm(rig, cameras) < 0.05
     assert max(rig.error_rms) < 5e-5
-    assert max(rig.leave_one_out_rms) < 5e-5
+    assert max(present(rig.leave_one_out_rms)) < 5e-5
     for found in rig.cameras:
         assert (found.lens is None) == (k == (0.0, 0.0))
         if found.lens is not None:
@@ -74,7 +75,7 @@ def test_noise_is_not_taken_for_distortion():
 def test_distortion_is_found_under_noise():
     cameras = [camera(angle, k1=-0.1) for angle in ANGLES]
     rig = solve_rig(control(cameras, noise=0.3), "now")
-    assert [c.lens.k1 for c in rig.cameras] == pytest.approx([-0.1, -0.1], abs=0.03)
+    assert [present(c.lens).k1 for c in rig.cameras] == pytest.approx([-0.1, -0.1], abs=0.03)
     assert worst_mm(rig, cameras) < 1.5
 
 
@@ -82,8 +83,8 @@ def test_residuals_are_of_the_size_of_the_noise_and_leaving_out_makes_them_large
     rig = solve_rig(control(noise=0.3), "now")
     assert [c.reprojection_rms_px for c in rig.cameras] == pytest.approx([0.41, 0.41], abs=0.05)
     assert max(rig.error_rms) < 0.0015
-    assert all(left > kept for left, kept in zip(rig.leave_one_out_rms, rig.error_rms, strict=True))
-    assert 0.1 < rig.epipolar_px < 0.4
+    assert all(left > kept for left, kept in zip(present(rig.leave_one_out_rms), rig.error_rms, strict=True))
+    assert 0.1 < present(rig.epipolar_px) < 0.4
     assert rig.volume_min == (0.0, 0.0, 0.0)
     assert rig.volume_max == (1.0, 1.0, 1.0)
 
@@ -102,7 +103,8 @@ def test_leaving_out_is_what_a_rig_without_the_point_gives():
     from local_site.calibration import accuracy, solve
 
     solved = [solve._solve_camera(name, points, p) for name, p in zip(points.cameras, points.pixels, strict=True)]
-    quick = accuracy.leave_one_out_errors([resection for resection, _ in solved], points.points, points.pixels)
+    resections = [resection for resection, _ in solved if not isinstance(resection, str)]
+    quick = accuracy.leave_one_out_errors(resections, points.points, points.pixels)
     assert quick[::25] == pytest.approx(np.array(rig_errors), abs=2e-5)
 
 
@@ -205,7 +207,7 @@ def test_the_recorded_plate_gives_its_points_back(recording):
     rig = solve_rig(control_points, "now")
     assert all(c.reprojection_rms_px < 0.45 for c in rig.cameras)
     assert np.linalg.norm(rig.error_rms) < 0.0016
-    assert np.linalg.norm(rig.leave_one_out_rms) < 0.0018
+    assert np.linalg.norm(present(rig.leave_one_out_rms)) < 0.0018
     assert all(c.lens is None for c in rig.cameras)
 
 

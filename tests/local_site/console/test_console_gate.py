@@ -3,6 +3,7 @@
 import asyncio
 
 import pytest
+from starlette.types import Message, Receive, Scope, Send
 
 from common.config.loading import load_config
 from common.errors import ConfigError
@@ -18,14 +19,14 @@ def ask(serve: ServeConfig, headers: dict[str, str], kind: str = "http", query: 
     """The status and headers of an answer; 200 and 101 come from the application behind the gate."""
     sent = []
 
-    async def application(scope, _receive, send) -> None:
+    async def application(scope: Scope, _receive: Receive, send: Send) -> None:
         passed = {"type": "http.response.start", "status": 200, "headers": []}
         await send(passed if scope["type"] == "http" else {"type": "websocket.accept"})
 
-    async def send(message) -> None:
+    async def send(message: Message) -> None:
         sent.append(message)
 
-    async def receive() -> dict:
+    async def receive() -> Message:
         return {"type": "websocket.connect"}
 
     pairs = [(name.encode(), value.encode()) for name, value in headers.items()]

@@ -9,15 +9,16 @@ import subprocess
 import sys
 import time
 from contextlib import ExitStack
-from types import SimpleNamespace
 from urllib.parse import urlsplit
 
 import pytest
+import uvicorn
 from structlog.testing import capture_logs
 
 from farhand.loopback.site_process import free_ports, options_of
 from lab.measure.page.bare_console import BareConsole
 from local_site.console.server import LibraryLog
+from tests.present import present
 
 READY_S = 60.0
 ENDS_WITHIN_S = 10.0  # two where a machine has nothing else to do
@@ -47,7 +48,7 @@ def test_it_ends_in_time_with_a_frozen_page_and_a_stop_that_nobody_answers():
     command = [sys.executable, "-m", "farhand", "console", "--log-format", "json", *settings]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as console:
         try:
-            ready = json.loads(console.stderr.readline())
+            ready = json.loads(present(console.stderr).readline())
             assert (ready["event"], ready["site"], ready["level"]) == ("ready", "console", "info")
             assert f"http://127.0.0.1:{port}/ (for this host only)" in ready["page"]
             with frozen_page(port):
@@ -56,7 +57,7 @@ def test_it_ends_in_time_with_a_frozen_page_and_a_stop_that_nobody_answers():
                 console.send_signal(signal.SIGTERM)
                 assert console.wait(READY_S) == 0
                 assert time.monotonic() - began < ENDS_WITHIN_S
-            rest = console.stderr.read()
+            rest = present(console.stderr).read()
         finally:
             console.kill()
     assert all(json.loads(line)["site"] == "console" for line in rest.splitlines())
@@ -65,7 +66,7 @@ def test_it_ends_in_time_with_a_frozen_page_and_a_stop_that_nobody_answers():
 def test_more_pages_than_anybody_opens_are_refused(monkeypatch):
     monkeypatch.setattr("local_site.console.server.MOST_PAGES", 2)
     with BareConsole() as console, ExitStack() as stack:
-        pages = [stack.enter_context(frozen_page(urlsplit(console.address).port)) for _ in range(3)]
+        pages = [stack.enter_context(frozen_page(present(urlsplit(console.address).port))) for _ in range(3)]
         pages[-1].settimeout(ENDS_WITHIN_S)
         told = b""
         while b"2 pages are open" not in told:
@@ -75,6 +76,8 @@ def test_more_pages_than_anybody_opens_are_refused(monkeypatch):
 @pytest.mark.parametrize(("ending", "told"), [(False, ["server"]), (True, [])])
 def test_what_the_server_library_says_stands_in_our_log(ending, told):
     with capture_logs() as lines:
-        log = LibraryLog(SimpleNamespace(should_exit=ending))
+        server = uvicorn.Server(uvicorn.Config("none"))
+        server.should_exit = ending
+        log = LibraryLog(server)
         log.emit(logging.LogRecord("uvicorn.error", logging.ERROR, "", 0, "it broke", None, None))
     assert [line["event"] for line in lines] == told

@@ -29,7 +29,7 @@ def served(serve: ServeConfig) -> Iterator[tuple[str, int]]:
     """The page's server, without a cell behind it."""
     with bind(serve) as listening:
         port = listening.getsockname()[1]
-        server = make_server(None, serve, port)
+        server = make_server(None, serve, port)  # type: ignore[arg-type]  # nobody comes as far as the hub
         thread = threading.Thread(target=lambda: asyncio.run(server.serve(sockets=[listening])))
         thread.start()
         try:
@@ -104,13 +104,14 @@ def _few_stay(connections: list[socket.socket]) -> None:
     until(lambda: still_open(connections) <= MOST_AT_ONCE, "the others to be closed", PATIENCE_S)
 
 
-class _Connection:
+class _Connection(asyncio.Transport):
     """A transport that is only ever aborted."""
 
     def __init__(self, host: str) -> None:
+        super().__init__()
         self.host, self.aborted = host, False
 
-    def get_extra_info(self, _name: str) -> tuple[str, int]:
+    def get_extra_info(self, _name: str, _default: object = None) -> tuple[str, int]:
         return self.host, 1
 
     def abort(self) -> None:

@@ -3,6 +3,7 @@
 import asyncio
 import threading
 from collections.abc import Callable
+from typing import Any
 
 import msgspec
 import pytest
@@ -10,27 +11,29 @@ import pytest
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import MessageError
 from common.messages.hand import ClutchKey, OperatorSettings
-from common.messages.requests import EngagementAction, OperatorAction, Reply
+from common.messages.recording import EpisodeOutcome
+from common.messages.requests import EngagementAction, OperatorAction, PicturePoint, RecordAction, Reply
 from common.messages.robot import Asker
 from local_site.console.message_handler import Outlets, PageMessageHandler
 from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies
 from local_site.console.model.page_messages import parse
 from local_site.console.model.seat import Seat, Visitor
+from local_site.console.page import Page
 from local_site.console.request_pools import MOST_WAITING
 
 LEASE = 41
 
 
-class Told:
+class Told(Page):
     """Replaces a page, and a publisher: keeps what it is sent."""
 
     def __init__(self, number: int = 0) -> None:
         self.visitor = Visitor(number, "127.0.0.1")
-        self.answers: list[dict] = []
-        self.messages: list = []
+        self.answers: list[dict[str, Any]] = []
+        self.messages: list[Any] = []
 
-    def send(self, **fields: object) -> None:
+    def send(self, **fields: Any) -> None:
         self.answers.append(fields)
 
     def put(self, message: object) -> None:
@@ -66,6 +69,14 @@ class Sites:
         self.consented = to
         return Reply(id=1, done=False, code="nobody_asks", reason="nobody asks")
 
+    def record(self, action: RecordAction, _outcome: EpisodeOutcome) -> Reply:
+        self.asked.append(action.value)
+        return Reply(id=1, done=True, code="ok", reason="as asked")
+
+    def joints(self, *_points: PicturePoint) -> Reply:
+        self.asked.append("joints")
+        return Reply(id=1, done=True, code="ok", reason="as asked")
+
 
 class Room:
     """A message handler with two pages, of which the first operates."""
@@ -87,7 +98,7 @@ class Room:
     def say(self, page: Told, **said: object) -> None:
         self.handler.handle(page, parse(msgspec.json.encode(said).decode()), NS_PER_S)
 
-    async def wait_for_answers(self, page: Told, count: int) -> list[dict]:
+    async def wait_for_answers(self, page: Told, count: int) -> list[dict[str, Any]]:
         for _ in range(500):
             if len(page.answers) >= count:
                 break

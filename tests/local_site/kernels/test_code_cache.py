@@ -9,6 +9,7 @@ import pytest
 
 from local_site.kernels.code_cache import digest_of_sources
 from local_site.kernels.pictures import grey_at
+from tests.present import present
 
 PROGRAM = "import local_site.inner, local_site.outer; print(local_site.outer.twice())"
 NO_ROOM = (
@@ -31,7 +32,7 @@ def package(tmp_path):
     (folder / "kernels/__init__.py").touch()
     for name in ("compiled.py", "code_cache.py"):
         (folder / "kernels" / name).write_bytes(
-            (Path(sys.modules[grey_at.__module__].__file__).parent / name).read_bytes()
+            (Path(present(sys.modules[grey_at.__module__].__file__)).parent / name).read_bytes()
         )
     (folder / "inner.py").write_text(INNER.format(size=1))
     (folder / "outer.py").write_text(OUTER)

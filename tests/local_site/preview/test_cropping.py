@@ -10,6 +10,7 @@ from local_site.preview.arm_window import PictureBox
 from local_site.preview.cropping import Cropping, ViewPart, arm_box
 from local_site.tracking.annotate import annotate
 from local_site.tracking.tracker import ArmEstimate, Overlay
+from tests.present import present
 
 WIDTH, HEIGHT = 640, 480
 BARE_ARM = Overlay(contour=np.array([[256, 120], [384, 120], [384, 240]], np.int32), elbow=np.array([300.0, 200.0]))
@@ -92,8 +93,8 @@ def test_what_was_found_lies_on_the_same_spot_of_the_picture_as_before(part):
     given = estimate(Overlay(), overlay)
     moved = part.estimate(given, 1)
     assert moved.overlays[0] is given.overlays[0]
-    pairs = zip([overlay.wrist, *overlay.contour], [moved.overlays[1].wrist, *moved.overlays[1].contour], strict=True)
-    for before, after in pairs:
+    befores, afters = ([shown.wrist, *present(shown.contour)] for shown in (overlay, moved.overlays[1]))
+    for before, after in zip(befores, afters, strict=True):
         column, row = np.rint(after).astype(int)
         there = [coordinate[row, column] for coordinate in pixel_map(part)]
         assert np.abs(there - before // 4).max() <= 1

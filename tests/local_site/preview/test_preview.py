@@ -133,7 +133,7 @@ class Wire:
         self.sent.append(message)
 
 
-class QuickDrawer:
+class QuickDrawer(PreviewProcess):
     """Has its pictures ready at the next look."""
 
     def __init__(self):

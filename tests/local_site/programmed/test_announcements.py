@@ -1,12 +1,14 @@
 """What a run says: every change that lasts, and no flood."""
 
+from collections.abc import Callable
+
 from common.clock import NS_PER_S
 from local_site.programmed.announcements import Announcements
 
 STEP_NS = NS_PER_S // 60
 
 
-def said(words_at) -> list[str]:
+def said(words_at: Callable[[float], str]) -> list[str]:
     """What is told over five seconds of words by their time in s."""
     told = list[str]()
     announcements = Announcements(told.append)

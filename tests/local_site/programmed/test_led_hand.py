@@ -16,6 +16,7 @@ from common.messages.requests import MappingDescription
 from local_site.programmed.led_hand import operator_T_hand, shown_hand, why_not_led
 from local_site.samples.hand_sample import HandSampler, OpenHand
 from remote_site.teleop.config import MappingConfig
+from tests.present import present
 
 CONFIG = MappingConfig()
 MAPPING = MappingDescription(
@@ -47,7 +48,7 @@ def test_the_mapping_takes_the_hand_to_the_pose(at, turned, tool_at, tool_turned
     mapping, first, base_T_tool = RelativeMapping(MAPPING), pose(at, turned), pose(tool_at, tool_turned)
     mapping.engage(first[:3, 3], first[:3, :3], base_T_tool)
     mapping.steer(in_force, first[:3, 3], first[:3, :3], base_T_tool)
-    reference = mapping.reference(sample_of(first), np.eye(3))
+    reference = present(mapping.reference(sample_of(first), np.eye(3)))
     wanted = transform(Rotation.from_rotvec(0.9 * np.array(to_turned)).as_matrix() @ base_T_tool[:3, :3], np.array(to))
     hand = operator_T_hand(wanted, MAPPING, in_force, reference)
     reached = mapping.target(hand[:3, 3], hand[:3, :3])
@@ -66,7 +67,7 @@ def test_a_hand_that_showed_no_orientation_leads_nowhere():
     mapping = RelativeMapping(MAPPING)
     mapping.engage(np.zeros(3), None, np.eye(4))
     with pytest.raises(ConfigError, match="engage again"):
-        operator_T_hand(np.eye(4), MAPPING, OperatorSettings(), mapping.reference(sample_of(np.eye(4)), None))
+        operator_T_hand(np.eye(4), MAPPING, OperatorSettings(), present(mapping.reference(sample_of(np.eye(4)), None)))
 
 
 def test_locks_and_a_rotation_that_is_switched_off_are_refused_by_name():

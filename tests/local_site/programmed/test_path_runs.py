@@ -6,13 +6,15 @@ from msgspec.structs import replace
 
 from common.errors import RefusedError
 from common.messages.hand import TrackingStatus
+from common.messages.requests import Description
 from local_site.programmed.path_progress import PathProgress
 from local_site.programmed.path_runs import UNKNOWN, PathProgram, PathRuns
 from local_site.programmed.tool_trajectory import ToolTrajectory
 from tests.common.messages.golden_examples import DESCRIPTION, STATE
+from tests.present import present
 
 HELD = replace(DESCRIPTION, held=True)
-OURS = STATE.lease.session
+OURS = present(STATE.lease).session
 LINE = ToolTrajectory(np.array([0.0, 1.0]), np.zeros((2, 3)), np.tile([0.0, 0.0, 0.0, 1.0], (2, 1)))
 
 
@@ -20,7 +22,8 @@ class Cell:
     """A remote site that counts how often it is asked what it is."""
 
     def __init__(self):
-        self.description, self.asked, self.checked, self.refused = HELD, 0, 0, ""
+        self.description: Description | None = HELD
+        self.asked, self.checked, self.refused = 0, 0, ""
         progress = PathProgress(LINE, 1.0, stepwise=False)
         program = PathProgram("taught", "a line", progress, None, True, self.check, tuple)
         self.runs = PathRuns(program, OURS, self.describe)

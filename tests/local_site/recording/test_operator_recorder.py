@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -217,13 +218,12 @@ def test_what_was_asked_of_one_run_of_the_local_site_is_not_of_the_next(
 
 
 def test_the_operator_bounds_and_labels_episodes(tmp_path: Path, heard: Script, recorder: OperatorRecorder) -> None:
-    for k, (action, given) in enumerate(
-        [
-            (RecordAction.BEGIN, {"task": "push"}),
-            (RecordAction.END, {}),
-            (RecordAction.LABEL, {"outcome": EpisodeOutcome.FAILURE}),
-        ]
-    ):
+    orders: list[tuple[RecordAction, dict[str, Any]]] = [
+        (RecordAction.BEGIN, {"task": "push"}),
+        (RecordAction.END, {}),
+        (RecordAction.LABEL, {"outcome": EpisodeOutcome.FAILURE}),
+    ]
+    for k, (action, given) in enumerate(orders):
         recorder.step(k * 10**9)  # orders come to a recording that is under way
         heard.order(action, **given)
         recorder.step(k * 10**9 + 1)

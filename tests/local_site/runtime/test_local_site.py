@@ -7,13 +7,15 @@ from structlog.testing import capture_logs
 import local_site.runtime.loop
 from common.cameras.camera import Frame
 from common.clock import NS_PER_S, FakeClock
+from common.link.transport import Link
 from common.messages.hand import TrackingStatus
+from local_site.acquisition.capture import Capture
 from local_site.acquisition.rig_cameras import OperatorRig
-from local_site.authority.lease_client import LeaseAndClock
+from local_site.authority.lease_client import Authority, LeaseAndClock
 from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.rig import Rig
 from local_site.config import LocalConfig
-from local_site.preview.preview import Preview
+from local_site.preview.preview import Preview, PreviewProcess
 from local_site.runtime.loop import ArmTracking, LocalSite, SampleSender
 from local_site.runtime.recorder_relay import RecorderRelay
 from local_site.simulation.cameras import exact_rig
@@ -26,7 +28,7 @@ IMAGE = np.full((4, 6), 8, np.uint8)
 PAIR = exact_rig(StereoConfig())
 
 
-class Cameras:
+class Cameras(Capture):
     """Views of a number of cameras, one instant after another."""
 
     ended, longest_wait_s = False, 0.1
@@ -40,7 +42,7 @@ class Cameras:
         return Views(t_ns, tuple(View(Frame(IMAGE, t_ns, self._seq)) for _ in range(self._count)))
 
 
-class Wire:
+class Wire(Link):
     """A link that keeps what is sent and never receives anything."""
 
     def __init__(self):
@@ -65,17 +67,23 @@ class Wire:
         return None
 
 
-class Alone:
+class Alone(Authority):
     """A site without a lease."""
 
     session = 1
+
+    def __init__(self):
+        """Without a link."""
 
     def lease_and_clock(self, _now_ns, _captured_ns=None):
         return LeaseAndClock()
 
 
-class NoDrawing:
+class NoDrawing(PreviewProcess):
     """Draws nothing."""
+
+    def __init__(self):
+        """Without a process."""
 
     def take(self):
         return []
@@ -99,7 +107,7 @@ def site(monkeypatch):
         rig = Rig(PAIR.cameras * (cameras // 2), PAIR.volume_min, PAIR.volume_max, PAIR.error_rms, "made up")
         operator = OperatorRig(rig, LocalConfig().tracking, (), lambda _t_ns: None)
         config, clock = LocalConfig(), FakeClock(0)
-        watch, preview = RemoteWatch(wire, Alone.session, operator.engaged), Preview({}, NoDrawing(), 12.0)
+        watch, preview = RemoteWatch(wire.latest(), Alone.session, operator.engaged), Preview({}, NoDrawing(), 12.0)
         tracking, sender = ArmTracking(config, operator, wire), SampleSender(config, wire, Alone(), watch, clock)
         relay = RecorderRelay(config, wire, Alone())
         return LocalSite(Cameras(cameras), tracking, sender, watch, preview, relay, clock), wire

@@ -1,24 +1,28 @@
 """A path's site asks for the cell more and more rarely, and ends with the endpoint that did not answer."""
 
+from typing import Any
+
 import pytest
 import structlog
 
 import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_S, FakeClock
 from common.errors import RefusedError, TransportError
+from common.link.transport import Link
+from common.process.service import StopFlag
 from local_site.runtime.path_site import described_cell
 
 ENDPOINT = "tcp/127.0.0.1:7447"
 
 
-class SilentLink:
+class SilentLink(Link):
     """A link at which nobody answers before the question of this number, if ever."""
 
     def __init__(self, clock: FakeClock, answers_at: int = 0, refusal: str = "", why: str = "") -> None:
         self._clock, self._answers_at, self._refusal, self._why = clock, answers_at, refusal, why
         self.asked_s: list[float] = []
 
-    def ask(self, *_: object) -> object:
+    def ask(self, *_: Any, **_named: Any) -> Any:
         self.asked_s.append(self._clock.time_ns / NS_PER_S)
         return golden.DESCRIPTION if len(self.asked_s) == self._answers_at else None
 
@@ -30,7 +34,7 @@ class SilentLink:
         return self._why
 
 
-class Waiting:
+class Waiting(StopFlag):
     """Waits on a clock of the test; asked to stop at a time."""
 
     def __init__(self, clock: FakeClock, stop_s: float = 1e9) -> None:

@@ -82,7 +82,7 @@ def test_it_is_saved_every_minute(tmp_path):
 
 
 def test_a_damaged_profile_is_told_once_and_left_as_it_is(tmp_path):
-    path, told = tmp_path / "anna.json", []
+    path, told = tmp_path / "anna.json", list[str]()
     path.write_bytes(b"{")
     keeper = ProfileStore(str(tmp_path), "anna", told.append)
     keeper.save(lambda: PROFILE)
@@ -92,7 +92,7 @@ def test_a_damaged_profile_is_told_once_and_left_as_it_is(tmp_path):
 
 
 def test_a_folder_that_cannot_be_written_is_told_once(tmp_path):
-    told = []
+    told: list[str] = []
     keeper = ProfileStore(str(tmp_path / "folder"), "anna", told.append)
     (tmp_path / "folder").write_bytes(b"")
     keeper.save(lambda: PROFILE)

@@ -9,6 +9,7 @@ import pytest
 import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_S
 from common.link.channels import RECORD_ORDER, RECORDER, RECORDING
+from common.link.transport import Link
 from common.messages.recording import RecordingNotice
 from common.messages.requests import RecordAction, RecordRequest, Reply
 from local_site.authority.lease_client import LeaseAndClock
@@ -37,17 +38,18 @@ class End:
             self.put_messages.append(handle(self.waiting.pop(0)))
 
 
-class Wires:
+class Wires(Link):
     """A link with an end for each channel, and one for the requests."""
 
     def __init__(self) -> None:
         self.recorder, self.console, self.orders, self.asked = End(), End(), End(), End()
         self._ends = {RECORDER: self.recorder, RECORDING: self.console, RECORD_ORDER: self.orders}
 
-    def latest(self, channel, _cell, **_named):
+    def latest(self, channel, *_, **_named):
         return self._ends[channel]
 
-    publisher = latest
+    def publisher(self, channel, *_, **_named):
+        return self._ends[channel]
 
     def serve(self, *_, **_named):
         return self.asked
@@ -75,7 +77,7 @@ def relay(wires: Wires) -> RecorderRelay:
 def ask(relay: RecorderRelay, wires: Wires, now_ns: int) -> str:
     wires.asked.waiting.append(START)
     relay.poll(now_ns)
-    return wires.asked.put_messages[-1].code
+    return str(wires.asked.put_messages[-1].code)
 
 
 def test_what_is_granted_reaches_the_recorder_and_what_it_tells_the_console(relay: RecorderRelay, wires: Wires) -> None:

@@ -1,5 +1,7 @@
 """The merge of the operator's intent: held only while a page reports it, and only after it was seen released."""
 
+from typing import Any
+
 import pytest
 
 from common.clock import NS_PER_MS
@@ -82,7 +84,7 @@ def test_what_comes_late_or_from_the_future_is_left_out():
 
 
 def test_the_settings_are_passed_on_as_they_were_sent():
-    settings = {"lease": 41, "revision": 3, "scale": 0.5, "rotation_scale": 0.0, "locks": Locks(z=True)}
+    settings: dict[str, Any] = {"lease": 41, "revision": 3, "scale": 0.5, "rotation_scale": 0.0, "locks": Locks(z=True)}
     made = merge(told(0, False, **settings))
     assert made.at(START + 200 * MS) == Intent(settings=OperatorSettings(**settings))
 

@@ -1,5 +1,7 @@
 """What is drawn over a frame: contour, lines, points where they are, sigmas as large as they are, and readable text."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 import pytest
@@ -25,12 +27,12 @@ REASON = "the forearm is nearly parallel to the line between the cameras; the el
 
 
 def estimate(sigma_m=0.004, overlay=None, **more):
-    values = {
+    values: dict[str, Any] = {
         "t_ns": 0,
         "status": TrackingStatus.TRACKED,
         "reason": "",
         "covariances": {name: sigma_m**2 * np.eye(3) for name in PLACES},
-        "overlays": (overlay or Overlay(**PIXELS),),
+        "overlays": (overlay or Overlay(None, **PIXELS),),
         **PLACES,
     }
     return ArmEstimate(**{**values, **more})

@@ -69,4 +69,5 @@ def test_a_turned_scene_gives_the_same_arm_turned(scene, turn, shift):
     for name in POINTS:
         assert apart_m(here, there, name, rotation, np.array(shift)) < TURNED_M[name]
         first, second = (e[-1].covariances[name] for e in (here, there))
-        np.testing.assert_allclose(*(np.sqrt(np.linalg.eigvalsh(m)) for m in (first, second)), atol=0.002, rtol=0)
+        here_m, there_m = (np.sqrt(np.linalg.eigvalsh(m)) for m in (first, second))
+        np.testing.assert_allclose(here_m, there_m, atol=0.002, rtol=0)

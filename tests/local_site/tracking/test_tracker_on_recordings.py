@@ -3,6 +3,7 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -34,9 +35,9 @@ pytestmark = pytest.mark.skipif(not DATA.exists(), reason="the recordings are no
 class Track:
     """The lines of a tracked recording and of its truth, after the first frames, and the pairs counted."""
 
-    lines: list
-    truth: list
-    counted: list
+    lines: list[dict[str, Any]]
+    truth: list[dict[str, Any]]
+    counted: list[int]
     pairs: int
 
     def errors_mm(self, name):
@@ -51,7 +52,7 @@ def track(request, tmp_path_factory):
     folder, out = DATA / request.param, tmp_path_factory.mktemp(request.param)
     rig = calibrate_points(folder / "control_points.csv", out / "rig.json").rig
     cameras = [open_camera(str(folder / f"{side}.avi"), side) for side in ("left", "right")]
-    counted = []
+    counted: list[int] = []
     summary = track_recording(rig, cameras[0], [cameras[1]], [json_lines(out / "track.jsonl")], counted.append)
     for camera in cameras:
         camera.close()

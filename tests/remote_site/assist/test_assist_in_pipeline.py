@@ -2,18 +2,21 @@
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from common.geometry import angle_between, inverse, rotation_from_vector, transform
+from common.geometry import Array, angle_between, inverse, rotation_from_vector, transform
 from common.messages.hand import Intent, TrackingStatus
 from common.messages.robot import AssistPhase, SessionState
+from remote_site.assist.sighting import MarkerSighting
 from remote_site.config import RemoteConfig
-from remote_site.reasons import Code, reason
+from remote_site.reasons import Code, Reason, reason
+from tests.present import present
 from tests.remote_site.assist.sightings import BLOCK, CONFIG, MARKER, PRESSED, RELEASED, refused, seen
-from tests.remote_site.remote_loop import RemoteLoop, assert_within_limits, hand
+from tests.remote_site.remote_loop import Point, RemoteLoop, assert_within_limits, hand
 
 EVERY, SEEN_EVERY = 8, 30  # ticks of 4 ms between samples, and between sightings
 HAND = (0.0, 0.0, 0.3)
@@ -22,31 +25,31 @@ HAND = (0.0, 0.0, 0.3)
 class AssistLoop(RemoteLoop):
     """The pipeline with a target beside the tool, whose marker is seen eight times a second."""
 
-    def __init__(self, way_m=(-0.03, -0.02, 0.015), turn_rad=(0.0, 0.1, 0.15), **safety) -> None:
+    def __init__(self, way_m: Point = (-0.03, -0.02, 0.015), turn_rad: Point = (0.0, 0.1, 0.15), **safety: Any) -> None:
         video = replace(RemoteConfig().video, calibrated=True)
         guarded = replace(RemoteConfig().safety, **safety)
         super().__init__(replace(RemoteConfig(), assist=CONFIG, video=video, safety=guarded))
         tool = self.model.forward(self.sent.q)
         self.goal = transform(rotation_from_vector(np.array(turn_rad)) @ tool[:3, :3], tool[:3, 3] + way_m)
         self.base_T_marker = self.goal @ inverse(BLOCK.marker_T_tool)
-        self.refusal = None
-        self.targets, self.phases = [], []
+        self.refusal: Reason | None = None
+        self.targets, self.phases = list[Array](), list[AssistPhase]()
         self.ticks = 0
 
-    def go(self, seconds, intent=RELEASED, place=HAND, **changes) -> None:
+    def go(self, seconds: float, intent: Intent | None = RELEASED, place: Point = HAND, **changes: Any) -> None:
         """Run with a hand at one place, and the page's intent in every sample."""
         for _ in range(round(seconds * 250)):
             self.ticks += 1
             now_ns = self.clock.now_ns()
-            samples, markers = [], ()
+            samples, markers = [], list[MarkerSighting]()
             if self.ticks % EVERY == 0:
                 self.hand_seq += 1
                 samples = [hand(self.hand_seq, now_ns, place, lease=self.lease, intent=intent, **changes)]
             if self.ticks % SEEN_EVERY == 0:
-                markers = (self.sighting(now_ns),)
-            self.tick(*samples, markers=markers)
+                markers = [self.sighting(now_ns)]
+            self.tick(*samples, markers=tuple(markers))
             self.targets.append(self.snapshot.target.copy())
-            self.phases.append(self.snapshot.assist.phase)
+            self.phases.append(present(self.snapshot.assist).phase)
 
     def sighting(self, now_ns):
         if self.refusal is not None:
@@ -67,7 +70,7 @@ class AssistLoop(RemoteLoop):
         return 1e3 * math.dist(self.tool[:3, 3], self.goal[:3, 3]), math.degrees(angle)
 
 
-def offered(**changes) -> AssistLoop:
+def offered(**changes: Any) -> AssistLoop:
     loop = AssistLoop(**changes)
     loop.go(2.5)
     assert loop.snapshot.state is SessionState.ENGAGED

@@ -11,6 +11,7 @@ from remote_site.assist.detection import FoundMarkers, MarkerDetector
 from remote_site.assist.families import MarkerFamily
 from remote_site.assist.marker_watch import MarkerWatch
 from remote_site.reasons import Code
+from tests.present import present
 from tests.remote_site.assist.marker_pictures import FACING, FRONT, calibration, miss, picture, turned
 
 SIZE_M, NUMBER, NOW_NS = 0.045, 3, 10**9
@@ -90,7 +91,7 @@ def test_a_marker_that_one_view_sees_twice_is_doubled():
 
 def test_a_double_that_only_one_view_sees_contradicts_the_other():
     ways = [np.array(position) - FACING[:3, 3] for position in FRONT.values()]
-    across = np.cross(*ways) / np.linalg.norm(np.cross(*ways))  # no depth makes up for it
+    across = np.cross(ways[0], ways[1]) / np.linalg.norm(np.cross(ways[0], ways[1]))  # no depth makes up for it
     elsewhere = turned(FACING, (0, 0, 0), tuple(0.01 * across))
     assert code(look(FACING, shown={"front_low": [elsewhere]})) is Code.MARKER_CONTRADICTED
 
@@ -123,7 +124,7 @@ def test_of_several_pictures_that_are_too_old_the_newest_is_told():
     for name, age_ms in zip(VIEWS, (900, 600), strict=True):
         watch.observe(name, NOW_NS - age_ms * 1_000_000, FoundMarkers({}), None)
     (sighting,) = watch.sightings(NOW_NS)
-    assert sighting.refusal.sentence.endswith("the pictures are 600 ms old")
+    assert present(sighting.refusal).sentence.endswith("the pictures are 600 ms old")
 
 
 def test_a_view_with_too_many_candidates_says_so_while_its_picture_is_fresh():

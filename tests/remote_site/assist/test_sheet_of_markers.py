@@ -1,5 +1,7 @@
 """A sheet of markers before a camera takes no more time than a look has, and hides no marker that is beside it."""
 
+from typing import Any
+
 import cv2
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from remote_site.assist.families import MarkerFamily
 from remote_site.assist.marker_watch import FRESH_NS, MarkerWatch
 from remote_site.reasons import Code
 from remote_site.video.marker_look import BUDGET_NS, LOOK_NS, MarkerLook
+from tests.present import present
 from tests.remote_site.assist.marker_pictures import FRONT, calibration
 
 FAMILY = MarkerFamily.ARUCO_4X4_50
@@ -109,7 +112,7 @@ def test_no_more_than_two_of_a_number_are_fitted(fitted):
 
 def test_a_look_ends_in_time_and_the_next_ones_of_the_view_begin_with_what_it_left(fitted):
     areas, clock = fitted
-    published, picture, codes = [], pairs(), []
+    published, picture, codes = list[Any](), pairs(), []
     look = MarkerLook(AssistConfig(targets=TARGETS), VIEWS, lambda _t_ns: None, published.append, clock)
     for k in range(1, 9):
         for view in VIEWS:
@@ -126,7 +129,7 @@ def test_what_is_not_reached_is_as_before_while_that_is_fresh_and_then_refused()
     for view in VIEWS:
         watch.observe(view, 0, FoundMarkers({0: [SQUARE, SQUARE]}), None)
         watch.observe(view, FRESH_NS, FoundMarkers({}, (0,)), None)
-    assert watch.sightings(FRESH_NS)[0].refusal.code is Code.MARKER_DOUBLED
+    assert present(watch.sightings(FRESH_NS)[0].refusal).code is Code.MARKER_DOUBLED
     (sighting,) = watch.sightings(FRESH_NS + 1)
-    assert sighting.refusal.code is Code.MARKER_CROWDED
-    assert "front_high shows too many markers to look at marker 0 in time" in sighting.refusal.sentence
+    assert present(sighting.refusal).code is Code.MARKER_CROWDED
+    assert "front_high shows too many markers to look at marker 0 in time" in present(sighting.refusal).sentence

@@ -6,6 +6,7 @@ import os
 import signal
 import time
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -39,6 +40,7 @@ from remote_site.runtime import driver_process as process
 from remote_site.safety.stopping import stopping
 from remote_site.simulation.memory import CellMemory
 from remote_site.simulation.process import SimulatedCell, run_cell
+from tests.present import present
 from tests.remote_site.drivers.leading_control import LeadingControl
 from tests.remote_site.remote_loop import arm
 
@@ -203,7 +205,7 @@ def test_a_driver_killed_in_motion_leaves_the_controllers_own_watchdog(make_rig,
     rig.driver.process.kill()
     rig.driver.process.join(30)
     again = over_the_line(DriverHost(CLOCK))
-    places = []
+    places: list[Any] = []
     deadline = time.monotonic() + PATIENCE_S
     while not (len(places) > 100 and places[-1].fault and places[-1].q == pytest.approx(places[-100].q, abs=1e-9)):
         assert time.monotonic() < deadline
@@ -245,7 +247,7 @@ def test_a_driver_that_blocks_is_seen_from_outside_while_control_goes_on(make_ri
     blocked_ns = rig.memory.report.read().at_ns
     Blocking.let_go.value = 1
     rig.watch(lambda _: rig.memory.report.read().at_ns > blocked_ns)
-    assert link.read().fault.code is FaultCode.DEADLINE  # also when the call has returned
+    assert present(link.read().fault).code is FaultCode.DEADLINE  # also when the call has returned
 
 
 def test_a_process_that_is_gone_is_told(make_rig):
@@ -256,4 +258,4 @@ def test_a_process_that_is_gone_is_told(make_rig):
     os.kill(rig.driver.process.pid, signal.SIGKILL)
     rig.driver.process.join(30)
     time.sleep(0.15)
-    assert link.read().fault.code is FaultCode.PROCESS
+    assert present(link.read().fault).code is FaultCode.PROCESS

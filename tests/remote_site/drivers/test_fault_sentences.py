@@ -14,6 +14,7 @@ from remote_site.drivers.supervisor.orders import command_timeout
 from remote_site.drivers.supervisor.reading_check import stale
 from remote_site.reasons import Code, reason
 from remote_site.runtime.driver_process import DriverLoop
+from tests.present import present
 from tests.remote_site.drivers.supervisor.supervised import LIMITS, Supervised
 from tests.remote_site.spoiled_readings import drifting
 
@@ -37,7 +38,7 @@ def test_control_reads_what_the_drivers_process_logs(letter: str) -> None:
     with capture_logs() as lines:
         rig.clock.advance_ms(2)
         DriverLoop(rig.supervisor, memory, rig.clock).turn()
-    fault = link.read().fault
+    fault = present(link.read().fault)
     assert fault == rig.supervisor.fault
     assert [line["reason"] for line in lines if line["event"] == "robot fault"] == [fault.sentence]
     assert len(fault.sentence) == MOST_SENTENCE

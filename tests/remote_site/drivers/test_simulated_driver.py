@@ -7,6 +7,7 @@ import pytest
 
 from common.clock import FakeClock
 from common.errors import DriverError
+from common.geometry import Array
 from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import DriverSetup, JointCommand
 from remote_site.drivers.faults import FaultCode
@@ -45,11 +46,11 @@ class Bench:
         self.run()
         return self
 
-    def command(self, q=ROBOT.start, gripper: GripperCommand = GripperCommand.OPEN) -> JointCommand:
+    def command(self, q: Array = ROBOT.start, gripper: GripperCommand = GripperCommand.OPEN) -> JointCommand:
         self.seq += 1
         return JointCommand(self.seq, self.clock.now_ns(), np.array(q), np.zeros(6), np.zeros(6), gripper)
 
-    def hold(self, ticks: int, q=ROBOT.start, gripper: GripperCommand = GripperCommand.OPEN) -> None:
+    def hold(self, ticks: int, q: Array = ROBOT.start, gripper: GripperCommand = GripperCommand.OPEN) -> None:
         for _ in range(ticks):
             self.driver.write(self.command(q, gripper))
             self.run(2)

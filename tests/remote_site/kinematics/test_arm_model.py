@@ -9,7 +9,7 @@ import pytest
 from common.errors import ConfigError, ModelError
 from common.geometry import rotation_from_vector, transform
 from remote_site.kinematics.config import RobotConfig
-from remote_site.kinematics.inverse import SphericalWristInverse
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from tests.remote_site.remote_loop import arm
@@ -26,7 +26,7 @@ def variant(tmp_path):
     def make(pattern: str, replacement: str) -> Path:
         text, count = re.subn(pattern, replacement, URDF.read_text(), flags=re.DOTALL)
         assert count
-        path = tmp_path / "arm.urdf"
+        path: Path = tmp_path / "arm.urdf"
         path.write_text(text)
         return path
 
@@ -183,6 +183,7 @@ def test_the_closed_form_reads_lengths_and_signs_from_the_urdf(variant):
     limits = JointLimits.from_model(model, RobotConfig())
     q = np.array([0.3, -0.4, 0.9, 0.2, -0.7, 0.5])
     solution = SphericalWristInverse(model, limits).nearest(model.forward(q), q)
+    assert isinstance(solution, Solution)
     assert solution.q == pytest.approx(q, abs=1e-9)
 
 

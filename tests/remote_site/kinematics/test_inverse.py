@@ -12,8 +12,10 @@ from common.geometry import rotation_from_vector, transform, vector_from_rotatio
 from remote_site.kinematics.config import BranchConfig
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse, Unreachable
 from remote_site.kinematics.limits import TARGET_SPEED
+from remote_site.kinematics.model import ArmModel
 from remote_site.kinematics.upright_arm import SHOULDER_HOLD, UprightArm
 from remote_site.reasons import Code
+from tests.present import present
 from tests.remote_site.remote_loop import arm
 
 MODEL, LIMITS = arm()
@@ -52,7 +54,7 @@ def test_every_solution_states_the_branch_of_its_posture(pitch):
     assert result.branch == branch_of(tuple(q))
 
 
-class Crooked:
+class Crooked(ArmModel):
     """An arm that fits the closed form at its zero posture, and is 10 mm off it where its test says."""
 
     pin_model, joint_names = MODEL.pin_model, MODEL.joint_names
@@ -205,8 +207,8 @@ def test_above_the_shoulder_joint_1_is_held_and_little_position_lost():
         r = -0.3048 * np.sin(q[1]) - 0.3302 * np.sin(q[1] + bend)
         if near is None or abs(r) < near[0]:
             near = abs(r), bend
-    q[2] = near[1]
-    assert near[0] < 1e-4
+    q[2] = present(near)[1]
+    assert present(near)[0] < 1e-4
     pose = MODEL.forward(q)
     pose[:2, 3] += [3e-4, -3e-4]
     result = INVERSE.nearest(pose, q)

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.geometry import transform
+from common.geometry import Array, transform
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.config import ControlConfig
@@ -27,6 +27,12 @@ DT = 0.004
 MODEL, LIMITS = arm()
 START = np.radians([0.0, 0.0, -45.0, 0.0, -45.0, 0.0])
 EXACT = ControlConfig(position_gain=1.0, velocity_gain=1.0)
+
+
+def tracked(follower: JerkLimitedTracker, target: Array, speed: float = 1.0) -> JointMotion:
+    motion = follower.track(JointMotion.at_rest(target), speed)
+    assert isinstance(motion, JointMotion), motion
+    return motion
 
 
 def follow(predictor, samples, seconds, latency_s=0.0):
@@ -73,7 +79,7 @@ def test_a_step_is_reached_without_overshoot():
     target = START + np.array([0.5, -0.3, 0.2, 1.0, -0.4, -2.0])
     follower = JerkLimitedTracker(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
-    path = np.array([follower.track(JointMotion.at_rest(target)).q for _ in range(400)])
+    path = np.array([tracked(follower, target).q for _ in range(400)])
     assert np.abs(path[-1] - target).max() < 1e-9
     assert ((path - target) * np.sign(START - target) >= -1e-8).all()
 
@@ -81,7 +87,7 @@ def test_a_step_is_reached_without_overshoot():
 def test_the_speed_scale_slows_the_follower():
     follower = JerkLimitedTracker(LIMITS, DT)
     follower.reset(JointMotion.at_rest(START))
-    speeds = [np.abs(follower.track(JointMotion.at_rest(START + 1.0), 0.25).dq) for _ in range(100)]
+    speeds = [np.abs(tracked(follower, START + 1.0, 0.25).dq) for _ in range(100)]
     assert np.max(speeds, axis=0) == pytest.approx(0.25 * LIMITS.velocity)
 
 

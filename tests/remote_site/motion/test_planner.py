@@ -1,18 +1,22 @@
 """The planner: what it reports as hindrance, and that only what the guard passes goes out."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 from remote_site.config import RemoteConfig
-from remote_site.kinematics.dexterity import FULL, Slowing
+from remote_site.kinematics.dexterity import FULL, Dexterity, Slowing
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
 from remote_site.motion.planner import MotionPlanner
+from remote_site.motion.target_tracker import TargetTracker
 from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code, reason
 from remote_site.safety.collision_avoidance import CollisionAvoidance
 from remote_site.safety.config import CollisionConfig, FixtureConfig, SafetyConfig
 from remote_site.safety.guard import Passed
+from tests.present import present
 from tests.remote_site.remote_loop import TICK_NS, arm, collision_model, guard_of
 from tests.remote_site.safety.test_guard import a_wall
 
@@ -25,11 +29,11 @@ UNREACHED = reason(Code.UNREACHED, distance_mm=20, angle_deg=1)
 SINGULAR = Slowing(0.5, reason(Code.SINGULAR, condition=100, fraction=0.5))
 
 
-class Aims:
+class Aims(TargetTracker):
     """A target tracker that keeps what it is given, and has a joint target that its test sets."""
 
     def __init__(self):
-        self.aimed, self.unreached, self.q_target = [], None, None
+        self.aimed, self.unreached, self.q_target = list[Any](), None, None
 
     def reset(self, t_ns, q):  # noqa: ARG002  # as trackers are reset
         self.q_target = q
@@ -38,11 +42,11 @@ class Aims:
         self.aimed.append(target)
         return self.unreached
 
-    def at(self, now_ns, sent, speed, *, barred):  # noqa: ARG002  # as trackers are asked
-        return JointMotion.at_rest(self.q_target)
+    def at(self, now_ns, sent, speed, *, barred=False):  # noqa: ARG002  # as trackers are asked
+        return JointMotion.at_rest(present(self.q_target))
 
 
-class Slows:
+class Slows(Dexterity):
     """A dexterity that slows every motion as its test wants."""
 
     def __init__(self):
@@ -135,7 +139,7 @@ def test_an_obstacle_hinders_before_a_singular_posture():
     codes = []
     for _ in range(100):
         planning.follow()
-        codes.append(planning.planner.hindrance.code)
+        codes.append(present(planning.planner.hindrance).code)
     assert codes[0] is Code.SINGULAR
     assert Code.OBSTACLE in codes
 
@@ -174,7 +178,7 @@ def test_what_the_guard_refuses_becomes_the_stop_with_its_reason():
     planning.sent = JointMotion(START, 0.6 * np.eye(6)[0], np.zeros(6))
     stop = planning.guard.stop(planning.sent)
     planning.follow()
-    assert planning.planner.hindrance.code is Code.WORKSPACE
+    assert present(planning.planner.hindrance).code is Code.WORKSPACE
     assert (planning.sent.ddq == stop.ddq).all()
 
 

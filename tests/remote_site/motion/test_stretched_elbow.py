@@ -55,7 +55,7 @@ def quick_places(seed: int) -> list[Array]:
     reach = upright.upper_arm + upright.forearm
     start = out * (reach / np.linalg.norm(out)) - out  # of the wrist, from the shoulder
     places = []
-    for short_m in np.exp(rng.uniform(*np.log([0.0005, 0.03]), 4)):
+    for short_m in np.exp(rng.uniform(np.log(0.0005), np.log(0.03), 4)):
         direction = out / np.linalg.norm(out) + rng.uniform(-0.35, 0.35, 3)
         places.append(direction / np.linalg.norm(direction) * (reach - short_m) - start)
     return places

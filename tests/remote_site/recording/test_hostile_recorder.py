@@ -38,7 +38,7 @@ class RecordedControl:
 
 
 @pytest.fixture
-def control(tmp_path) -> Iterator[RecordedControl]:
+def control(tmp_path: Path) -> Iterator[RecordedControl]:
     made = RecordedControl(tmp_path)
     yield made
     made.memory.remove()
@@ -46,7 +46,7 @@ def control(tmp_path) -> Iterator[RecordedControl]:
 
 
 def fields(**other: object) -> dict[str, Any]:
-    return msgspec.to_builtins(ASKED) | other
+    return {**msgspec.to_builtins(ASKED), **other}
 
 
 def test_a_recorder_of_the_next_release_writes_an_unknown_field_and_a_long_alarm(control):

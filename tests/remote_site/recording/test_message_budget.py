@@ -13,7 +13,7 @@ TICK_NS = NS_PER_S // 250
 OF_OPERATORS = [
     keyed.key_for(CELL, operator="ben")
     for keyed in (*CHANNELS, *PROCEDURES)
-    if keyed.by_operator and REMOTES & (getattr(keyed, "received_by", None) or getattr(keyed, "answered_by", REMOTES))
+    if keyed.by_operator and REMOTES & getattr(keyed, "received_by", getattr(keyed, "answered_by", REMOTES))
 ]
 
 
@@ -37,7 +37,7 @@ def test_the_holders_hand_samples_and_the_state_are_all_kept():
 
 @pytest.mark.parametrize("key", OF_OPERATORS)
 @pytest.mark.parametrize("size", [1, 4096])
-def test_of_who_holds_no_lease_no_more_than_the_budget_is_kept(key: str, size: int):
+def test_of_who_holds_no_lease_no_more_than_the_budget_is_kept(key: str, size: int) -> None:
     most = KEPT_BYTES_PER_S * (SECONDS + BURST_NS / NS_PER_S) + 4096
     assert 0 < kept_bytes(MessageBudget(), key, size) <= most
 
@@ -47,7 +47,7 @@ def test_what_is_no_hand_sample_is_bounded_on_the_holders_key_too():
 
 
 @pytest.mark.parametrize("key", ["farhand/cell/clock", "farhand/cell/rpc/describe", "nothing", "farhand/cell/hand/B n"])
-def test_keys_that_name_no_operator_share_a_budget(key: str):
+def test_keys_that_name_no_operator_share_a_budget(key: str) -> None:
     assert kept_bytes(MessageBudget(), key, 4096, sent=True) < KEPT_BYTES_PER_S * (SECONDS + 2)
 
 

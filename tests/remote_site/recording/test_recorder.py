@@ -27,6 +27,7 @@ from remote_site.recording.cycle_record import decode_input, decode_outcome
 from remote_site.recording.kept_config import decode_config
 from remote_site.recording.memory import RecordingMemory
 from remote_site.teleop.pipeline import TeleopPipeline
+from tests.present import present
 from tests.remote_site.driven_loop import CONFIG
 from tests.remote_site.recording.recorded_site import BEGAN, CAMERA, CELL, KEY, RecordedSite
 
@@ -164,10 +165,10 @@ def test_on_request_nothing_is_kept_before_it_is_asked_for_and_after(tmp_path: P
     assert (state.writing, state.on_request) == (False, True)
     site.order(RecordAction.START)
     site.run(0.3)
-    assert site.tap.state(site.clock.now_ns()).writing
+    assert present(site.tap.state(site.clock.now_ns())).writing
     site.order(RecordAction.STOP)
     site.run(0.3)
-    assert not site.tap.state(site.clock.now_ns()).writing
+    assert not present(site.tap.state(site.clock.now_ns())).writing
     numbers = [decode_outcome(data).number for data in kept(site.files[0], "/cycle/outcome")]
     assert 70 < numbers[0] < 80
     assert 145 < numbers[-1] <= 150

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import textwrap
 from pathlib import Path
+from typing import Any
 
 import pytest
 from msgspec.structs import replace
@@ -24,10 +25,15 @@ from remote_site.session.config import ACCEPTANCE, EngagementMode
 from remote_site.simulation.config import ArmConfig, CellConfig, ServoConfig
 from remote_site.teleop.config import MappingConfig
 from remote_site.video.config import CameraConfig, VideoConfig
+from tests.present import present
 from tests.remote_site.arms_followed import ARMS
 
 ROOT = Path(__file__).parents[3]
-SEVEN = {"model": str(ARMS / "seven_axes.urdf"), "acceleration_rad_s2": (10.0,), "start_deg": (0, 30, 0, 60, 0, 40, 0)}
+SEVEN: dict[str, Any] = {
+    "model": str(ARMS / "seven_axes.urdf"),
+    "acceleration_rad_s2": (10.0,),
+    "start_deg": (0, 30, 0, 60, 0, 40, 0),
+}
 REAL = VideoConfig(cameras=(CameraConfig(name="front", source="/dev/video0"),))
 HOOK = CapsuleConfig(link="hook", start_m=(0.0, 0.0, 0.0), end_m=(0.0, 0.0, 0.1), radius_m=0.02)
 RUNNING_SITE = """
@@ -197,7 +203,7 @@ def test_a_mark_that_still_stands_tells_of_an_unordered_end(tmp_path, monkeypatc
 def test_the_mark_of_a_site_that_still_runs_tells_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
     with subprocess.Popen([sys.executable, "-c", RUNNING_SITE], stdout=subprocess.PIPE, cwd=ROOT) as other:
-        other.stdout.readline()
+        present(other.stdout).readline()
         own = CrashMarker("cell")
         assert not own.set()
         own.clear()

@@ -1,7 +1,7 @@
 """Control around an activation: a robot that answers within a tick is commanded from where it was activated."""
 
 from dataclasses import replace
-from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,24 +9,29 @@ import pytest
 from common.errors import DriverError
 from common.messages.requests import EngagementAction
 from common.messages.robot import SITE_ENDED, SessionState
+from common.process.log import RefusalLog
+from common.process.service import StopFlag
 from remote_site.drivers.faults import NOT_ACTIVATED, STOPPED, FaultCode, RobotFault
-from remote_site.drivers.link import RobotReport
+from remote_site.drivers.link import DriverLink, RobotReport
 from remote_site.kinematics.joints import JointMotion
 from remote_site.reasons import Code
 from remote_site.runtime import control
-from remote_site.runtime.control import ControlLoop
+from remote_site.runtime.control import ControlLoop, Inbox
 from remote_site.runtime.driven_pipeline import DrivenPipeline
+from remote_site.runtime.reporting import Reporter
+from remote_site.runtime.request_server import RequestServer
 from remote_site.runtime.site_memory import SiteMemory
 from remote_site.session.halts import Halts
 from remote_site.session.requests import SessionRequest
 from tests.remote_site.remote_loop import TICK_NS, RemoteLoop
 
 
-class QuickRobot:
+class QuickRobot(DriverLink):
     """Stopped, and not quite where it was led to; ready immediately when it is activated."""
 
     def __init__(self, led_to, measured):
-        self.sent, self.q, self.fault, self.written = led_to, measured, STOPPED, []
+        self.sent, self.q, self.written = led_to, measured, []
+        self.fault: RobotFault | None = STOPPED
 
     def read(self):
         zero = np.zeros(len(self.q))
@@ -40,21 +45,30 @@ class QuickRobot:
         return command
 
 
-class NoReport:
-    """A reporter, a request server and a refusal count, none of them read."""
+class NoReport(Reporter):
+    """A reporter that is not read."""
 
-    counts = MappingProxyType({})
+    def __init__(self):
+        """Of nothing."""
 
-    def note(self, *_given, **_named):
+    def note(self, *_given):
         """Nothing."""
 
     def publish(self, *_given):
         return 0
 
-    poll = note
+
+class NobodyAsks(RequestServer):
+    """A server without requests."""
+
+    def __init__(self):
+        """Of nothing."""
+
+    def poll(self, **_named):
+        """Nothing."""
 
 
-class Requests:
+class Requests(Inbox):
     """An inbox without samples, in which one request after the other waits, from the second tick on.
 
     Each is of somebody who was shown the newest of `halts`; `answers` are the replies.
@@ -62,7 +76,7 @@ class Requests:
 
     def __init__(self, operator, actions, *, maintenance=False):
         self._waiting = [None, *(SessionRequest(action, operator, maintenance) for action in actions)]
-        self.answers, self.refusals, self.halts = [], NoReport(), Halts()
+        self.answers, self.refusals, self.halts = list[Any](), RefusalLog(), Halts()
 
     def samples(self, _lease, _now_ns):
         """No hand sample."""
@@ -77,7 +91,7 @@ class Requests:
 def run_control(loop, robot, inbox, ticks):
     """Tick the control loop of a robot."""
     driven, inbox.halts = DrivenPipeline(loop.pipeline, robot), loop.session.halts
-    ticking = ControlLoop(driven, loop.leases, inbox, NoReport(), NoReport(), None, SiteMemory())
+    ticking = ControlLoop(driven, loop.leases, inbox, NoReport(), NobodyAsks(), None, SiteMemory())
     for k in range(1, ticks + 1):
         ticking.tick(loop.clock.now_ns() + k * TICK_NS)
 
@@ -149,7 +163,7 @@ def test_the_last_state_says_that_the_site_was_asked_to_end_or_why_it_has_to(end
     loop, reporter, site = RemoteLoop(), Told(), SiteMemory()
     start = loop.config.robot.start
     driven = DrivenPipeline(loop.pipeline, QuickRobot(start, start))
-    ticking = ControlLoop(driven, loop.leases, Requests("nobody", []), reporter, NoReport(), None, site)
+    ticking = ControlLoop(driven, loop.leases, Requests("nobody", []), reporter, NobodyAsks(), None, site)
     ticking.end()
     ticking.tick(loop.clock.now_ns())
     end(site)
@@ -167,7 +181,7 @@ def test_the_local_site_knows_the_code_of_a_remote_site_that_ends():
     assert Code.SITE_ENDED.value == SITE_ENDED
 
 
-class AskedRobot:
+class AskedRobot(DriverLink):
     """Control's link to a robot of which one report after the other is read; it is ready once it was activated."""
 
     def __init__(self, *reports):
@@ -190,7 +204,7 @@ def test_the_robot_is_activated_only_where_it_has_just_been_measured(monkeypatch
         unmeasured._replace(t_ns=5, age_ns=101, q=q + 0.5),
         unmeasured._replace(t_ns=106, age_ns=100, q=q),
     )
-    control._activate(robot, lambda: False)
+    control._activate(robot, StopFlag())
     assert [posture.tolist() for posture in robot.activated] == [q.tolist()]
 
 
@@ -200,5 +214,5 @@ def test_a_robot_that_is_never_measured_is_named_and_never_activated(monkeypatch
     zero = np.zeros(6)
     robot = AskedRobot(RobotReport(0, zero, zero, None, misread, None, JointMotion.at_rest(zero), True, oldest_ns=100))
     with pytest.raises(DriverError, match="not_finite: by its reading joint_3"):
-        control._activate(robot, lambda: False)
+        control._activate(robot, StopFlag())
     assert not robot.activated

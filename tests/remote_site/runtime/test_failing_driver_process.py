@@ -1,5 +1,7 @@
 """Whatever fails in the driver's process, the robot is not left to itself."""
 
+import gc
+
 import pytest
 
 from common.process.children import Heartbeat
@@ -40,7 +42,7 @@ def test_a_process_that_fails_outside_the_drivers_calls_stops_the_robot(monkeypa
 
     monkeypatch.setattr(driver_process, "create_driver", create)
     monkeypatch.setattr(driver_process, "ask_for_real_time", lambda _priority: True)
-    monkeypatch.setattr(driver_process.gc, "freeze", lambda: None)
+    monkeypatch.setattr(gc, "freeze", lambda: None)
     config = RemoteConfig(driver=DriverConfig(name=KINEMATIC))
     with pytest.raises(MemoryError):
         driver_process.run_driver(config, DriverMemory.create(6), None, StopFlag(), FailingHeartbeat())

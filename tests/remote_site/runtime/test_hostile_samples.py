@@ -13,6 +13,7 @@ from remote_site.recording.memory import RecordingMemory
 from remote_site.runtime.reporting import Reporter
 from remote_site.runtime.site_memory import SiteMemory
 from remote_site.session.samples import NamedSample, as_of_now
+from tests.present import present
 from tests.remote_site.driven_loop import CONFIG, DrivenLoop
 from tests.remote_site.hostile_hand import HostileHand
 from tests.remote_site.remote_loop import TICK_NS, arm, collision_model
@@ -33,7 +34,9 @@ class EncodedStates:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
-def test_any_samples_that_the_wire_accepts_leave_control_cycles_that_can_be_sent_and_kept(tmp_path: Path, seed: int):
+def test_any_samples_that_the_wire_accepts_leave_control_cycles_that_can_be_sent_and_kept(
+    tmp_path: Path, seed: int
+) -> None:
     loop, hostile, states = DrivenLoop(), HostileHand(seed), EncodedStates()
     loop.start()
     memory = RecordingMemory.create(tmp_path / "memory", loop.clock.now_ns())
@@ -48,10 +51,12 @@ def test_any_samples_that_the_wire_accepts_leave_control_cycles_that_can_be_sent
             NamedSample("operator-7", as_of_now(hostile.sample(seq + k, now_ns), -271_000_000)) for k in range(3)
         ]
         loop.snapshot = loop.driven.cycle(now_ns, loop.leases.status(now_ns), samples, [])
-        tap.note_cycle(loop.driven.given, loop.driven.command, loop.driven.ordered, loop.driven.report)
+        tap.note_cycle(
+            present(loop.driven.given), present(loop.driven.command), loop.driven.ordered, loop.driven.report
+        )
         reporter.note(loop.snapshot, loop.driven)
         reporter.publish(loop.snapshot, loop.driven, {})
-        assert decode_input(encode_input(loop.driven.given)).now_ns == now_ns
+        assert decode_input(encode_input(present(loop.driven.given))).now_ns == now_ns
     assert states.newest is not None
     assert states.newest.state is not SessionState.ENGAGED or np.isfinite(states.newest.q).all()
     assert loop.robot.finite

@@ -1,6 +1,7 @@
 """The whole remote loop with a robot that is misread: it stops and latches, and only a reset brings it back."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -138,7 +139,20 @@ def test_control_sees_the_age_of_a_reading_by_itself() -> None:
 def test_chance_readings_never_raise_and_never_reach_the_robot() -> None:
     rng = np.random.default_rng(15)
     loop = moving()
-    values = [float("nan"), float("inf"), -1, 10**30, "x", None, [1], np.zeros(6), np.full(6, np.nan), b"", True, {}]
+    values: list[Any] = [
+        float("nan"),
+        float("inf"),
+        -1,
+        10**30,
+        "x",
+        None,
+        [1],
+        np.zeros(6),
+        np.full(6, np.nan),
+        b"",
+        True,
+        {},
+    ]
 
     def garbage(reading: RobotReading) -> object:
         if rng.random() < 0.7:

@@ -2,6 +2,7 @@
 
 from collections import deque
 from dataclasses import dataclass, field
+from typing import Any
 
 from common.clock import FakeClock
 from common.errors import MessageError
@@ -28,7 +29,7 @@ class FakeLink:
 @dataclass
 class FakeSource:
     operator: str
-    waiting: deque
+    waiting: deque[Probe | MessageError]
 
     def take_named(self):
         if not self.waiting:
@@ -98,7 +99,7 @@ def test_no_probe_is_a_load_under_another_name():
 
 
 def test_what_is_no_probe_is_reported_and_counts_as_work():
-    link, refused = FakeLink(), []
+    link, refused = FakeLink(), list[Any]()
     serving = server(link, refused.append)
     link.waiting[PROBE.key, "anna"].extend([MessageError("malformed", "no map")] * 3)
     serving.poll(engaged=False)

@@ -1,7 +1,5 @@
 """A hand sample's path to the encoders: shown once the measured joints are as far as its first command."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -10,13 +8,16 @@ from common.messages.robot import Traced
 from remote_site.drivers.link import RobotReport
 from remote_site.kinematics.joints import JointMotion
 from remote_site.runtime.tracing import Tracing
+from remote_site.session.samples import Accepted
+from tests.present import present
 from tests.remote_site.remote_loop import hand
 
 LAG_MS = 25
 
 
-def accepted(seq: int, capture_ms: int) -> SimpleNamespace:
-    return SimpleNamespace(sample=hand(seq, capture_ms * NS_PER_MS))
+def accepted(seq: int, capture_ms: int) -> Accepted:
+    sample = hand(seq, capture_ms * NS_PER_MS)
+    return Accepted(sample, np.array(sample.wrist), None, sample.capture_ns, False, 1.0, (0.0, 0.0, 0.0))
 
 
 def commanded(t_ms: float, speed: float) -> JointMotion:
@@ -37,7 +38,7 @@ def run(speed: float, every_ms: int = 32, until_ms: int = 320) -> tuple[Tracing,
     for t_ms in range(0, until_ms, 4):
         if t_ms % every_ms == 0:
             sample = accepted(t_ms // every_ms, t_ms - 20 + 1000)
-        tracing.obey(sample, t_ms // 4, t_ms * NS_PER_MS, commanded(t_ms, speed))
+        tracing.obey(present(sample), t_ms // 4, t_ms * NS_PER_MS, commanded(t_ms, speed))
         tracing.see(reading(t_ms, speed, (t_ms - 6) // 4))
         if tracing.traced is not None and tracing.traced not in traced:
             traced.append(tracing.traced)
@@ -80,7 +81,7 @@ def test_a_robot_that_never_comes_as_far_is_given_up():
 def at(tracing: Tracing, t_ms: int, obeyed_seq: int | None) -> tuple[int, int | None]:
     """What is reported once the robot is seen: the sample's number, and when its command reached the robot, ms."""
     tracing.see(reading(t_ms, 0.0, obeyed_seq))
-    told = tracing.reported()
+    told = present(tracing.reported())
     return told.seq, None if told.motion_ns is None else told.motion_ns // NS_PER_MS
 
 

@@ -1,6 +1,7 @@
 """Distances, collision avoidance and clearance: never within the margin, never far for NaN, retreat always possible."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ from tests.remote_site.remote_loop import (
 
 MODEL, LIMITS = arm()
 ROBOT = RobotConfig()
-WIDE = {"workspace_min_m": (-0.3, -0.6, 0.1), "workspace_max_m": (0.9, 0.6, 1.3)}
+WIDE: dict[str, Any] = {"workspace_min_m": (-0.3, -0.6, 0.1), "workspace_max_m": (0.9, 0.6, 1.3)}
 
 
 def collision(config=None, capsules=ROBOT.capsules):

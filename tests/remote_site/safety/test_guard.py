@@ -249,7 +249,9 @@ def test_a_stop_that_is_replaced_by_another_motion_is_refused():
     stop = guard.stop(left)
     assert isinstance(guard.check(stop, left), Passed)
     other = replace(stop, ddq=stop.ddq + 0.5)
-    assert guard.check(other, left).reason.code in (Code.WORKSPACE, Code.INCONSISTENT)
+    verdict = guard.check(other, left)
+    assert isinstance(verdict, Refused)
+    assert verdict.reason.code in (Code.WORKSPACE, Code.INCONSISTENT)
 
 
 def test_a_refusal_of_the_clearance_names_its_figures():

@@ -1,6 +1,7 @@
 """The age limit follows the link: as short as it may be, never beyond 400 ms, and never grown under a fast arm."""
 
 from collections.abc import Iterable
+from typing import Any
 
 import pytest
 
@@ -19,13 +20,11 @@ AT_REST, FAST = 0.0, 1.0
 class Link:
     """Samples that arrive at an age limit over a link, numbered and timed."""
 
-    def __init__(self, **safety: object) -> None:
-        self.choice = AgeLimitChoice(SafetyConfig(**safety))  # type: ignore[arg-type]
+    def __init__(self, **safety: Any) -> None:
+        self.choice = AgeLimitChoice(SafetyConfig(**safety))
         self.seq, self.now_ms = 0, 1_000_000.0
 
-    def bring(
-        self, ages_ms: Iterable[float | None], pace: float = AT_REST, session: int = 7, **changes: object
-    ) -> "Link":
+    def bring(self, ages_ms: Iterable[float | None], pace: float = AT_REST, session: int = 7, **changes: Any) -> "Link":
         """One sample per period; its age at arrival in ms, None where it is lost."""
         for age_ms in ages_ms:
             self.seq += 1
@@ -165,7 +164,7 @@ def test_a_few_late_samples_refuse_nothing() -> None:
     assert Link().bring(([30.0] * 3 + [450.0]) * 30).limit.too_slow is None
 
 
-def spaced(period_ms: float, count: int, age_ms: float = 60.0, **safety: object) -> Link:
+def spaced(period_ms: float, count: int, age_ms: float = 60.0, **safety: Any) -> Link:
     """Samples of cameras this far apart."""
     link = Link(**safety)
     for _ in range(count):
@@ -175,7 +174,7 @@ def spaced(period_ms: float, count: int, age_ms: float = 60.0, **safety: object)
 
 
 @pytest.mark.parametrize("safety", [{}, {"t_soft_ms": 125.0}])
-def test_cameras_slower_than_the_limit_are_named_with_the_rate_and_the_limit(safety: dict[str, object]) -> None:
+def test_cameras_slower_than_the_limit_are_named_with_the_rate_and_the_limit(safety: dict[str, Any]) -> None:
     refusal = spaced(140, 40, **safety).limit.too_slow
     assert refusal is not None
     assert refusal.code is Code.SAMPLES_RARE

@@ -8,6 +8,7 @@ from common.messages.robot import SessionState
 from remote_site.reasons import Code
 from remote_site.session.config import EngagementMode
 from remote_site.session.engagement_intent import AUTOMATIC_NS, AUTOMATIC_WAIT_NS
+from remote_site.session.state_machine import Robot
 from tests.remote_site.session.session_rig import DEAD, LEASE, READY, SessionRig
 
 
@@ -16,7 +17,7 @@ def automatic() -> SessionRig:
     return SessionRig(mode=EngagementMode.AUTOMATIC)
 
 
-def pass_seconds(rig: SessionRig, seconds: float, robot=READY) -> None:
+def pass_seconds(rig: SessionRig, seconds: float, robot: Robot = READY) -> None:
     """Time without a hand, ten ticks a second."""
     for _ in np.arange(0, seconds, 0.1):
         rig.wait(100, robot)

@@ -14,6 +14,7 @@ from remote_site.session.config import EngagementConfig, EngagementMode
 from remote_site.session.hand_signal import AGAIN_FRAMES
 from remote_site.session.samples import Rejected
 from remote_site.session.state_machine import Action, Session
+from tests.present import present
 from tests.remote_site.remote_loop import hand
 from tests.remote_site.session.session_rig import (
     DEAD,
@@ -36,7 +37,7 @@ def unanswered(rig: SessionRig, count: int, since_ns: int) -> Code:
     for _ in range(count):
         rig.now_ns += PERIOD
         sample = good(rig.now_ns)
-        clock = structs.replace(sample.sample.clock, measured_ns=since_ns)
+        clock = structs.replace(present(sample.sample.clock), measured_ns=since_ns)
         rig.session.sample(replace(sample, sample=structs.replace(sample.sample, clock=clock)))
         decision = rig.session.tick(rig.now_ns, READY)
     return decision.reason.code

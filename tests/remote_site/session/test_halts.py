@@ -14,6 +14,7 @@ from remote_site.session.fault_latch import FaultLatch
 from remote_site.session.halts import Halts
 from remote_site.session.requests import SessionRequest
 from remote_site.session.state_machine import Robot
+from tests.present import present
 from tests.remote_site.remote_loop import RemoteLoop, operator_of
 from tests.remote_site.session.session_rig import READY, REST, engaged
 from tests.remote_site.session.test_requests import DISENGAGE, ENGAGE, HOLDER, OTHER, RESET, STOP, ask
@@ -206,10 +207,10 @@ def test_the_longest_names_and_cause_fit_into_a_message_and_ever_more_names_take
     for k in range(1000):
         halts.stop(f"{k:064}", k)
     assert len(halts._stoppers) < 10
-    assert len(halts.reason.sentence) <= MOST_TEXT
+    assert len(present(halts.reason).sentence) <= MOST_TEXT
     reason = halts.fail(str(RobotFault(FaultCode.COMMAND_TIMEOUT, "x" * MOST_SENTENCE, "y" * 32)), 1000)
     assert len(reason.sentence) <= MOST_TEXT
     assert reason.sentence.endswith("…; reset it, then engage")
-    unseen = halts.unseen(8, EngagementAction.RESET.value, reason.sentence)
+    unseen = present(halts.unseen(8, EngagementAction.RESET.value, reason.sentence))
     assert len(unseen.sentence) <= MOST_TEXT
     assert unseen.sentence.endswith("Look, then reset again")

@@ -9,6 +9,7 @@ from common.messages.hand import HandArm, TrackingStatus
 from common.messages.robot import HandLink
 from remote_site.session.hand_link_meter import MOST_ARRIVALS, HandLinkMeter, SampleAge
 from remote_site.session.hand_link_verdict import judged
+from tests.present import present
 from tests.remote_site.remote_loop import hand
 
 PERIOD_MS = 33
@@ -80,11 +81,11 @@ def test_how_long_tracking_takes_while_it_learns_the_arm_is_no_age() -> None:
         meter.arrive(learning, offset, now_ns)
     figures = measured(meter, now_ns)
     assert (figures.age_ms, figures.tracking_ms, figures.network_ms) == (60.0, 0.0, 20.0)
-    assert judged(figures, 100.0).code == ""
+    assert present(judged(figures, 100.0)).code == ""
     late = HandLinkMeter()
     for seq in range(10):
         now_ns = arrive(late, seq, network_ms=20.0, tracking_ms=165.0)
-    assert judged(measured(late, now_ns), 100.0).code == "samples_old"
+    assert present(judged(measured(late, now_ns), 100.0)).code == "samples_old"
 
 
 def test_half_a_round_trip_is_what_most_samples_show() -> None:
@@ -147,7 +148,7 @@ def test_nothing_is_said_of_a_link_that_is_good_enough() -> None:
         now_ns = arrive(meter, seq, network_ms=15.0, unsure_ms=15.0)
     link = measured(meter, now_ns)
     assert judged(link, 100.0) == link
-    assert judged(link, 60.0).code == "samples_old"
+    assert present(judged(link, 60.0)).code == "samples_old"
 
 
 @pytest.mark.parametrize(
@@ -164,10 +165,10 @@ def test_within_five_seconds_it_says_which_part_makes_samples_too_old(
     meter = HandLinkMeter()
     for seq in range(200):
         good_ns = arrive(meter, seq, network_ms=5.0, unsure_ms=3.0)
-    assert judged(measured(meter, good_ns), 100.0).code == ""
+    assert present(judged(measured(meter, good_ns), 100.0)).code == ""
     for seq in range(200, 340):
         now_ns = arrive(meter, seq, network_ms, unsure_ms, tracking_ms)
-        link = judged(measured(meter, now_ns), 100.0)
+        link = present(judged(measured(meter, now_ns), 100.0))
         if link.code:
             break
     assert link.code == "samples_old"
@@ -186,7 +187,7 @@ def test_old_samples_may_come_from_the_load_of_a_host(
     meter = HandLinkMeter()
     for seq in range(60):
         now_ns = arrive(meter, seq, network_ms + swing_ms * (seq % 2), unsure_ms)
-    link = judged(measured(meter, now_ns), 100.0, one_host=one_host)
+    link = present(judged(measured(meter, now_ns), 100.0, one_host=one_host))
     assert link.code == "samples_old"
     assert ("this machine if it is overloaded" if one_host else "a host that is overloaded") in link.reason
     assert ("Wi-Fi" in link.reason, "quic/" in link.reason) == (not one_host, not one_host and swing_ms > 0)
@@ -199,13 +200,13 @@ def test_a_link_that_loses_samples_says_so_within_five_seconds() -> None:
         now_ns = arrive(meter, seq, network_ms=5.0, unsure_ms=3.0)
     begin_ns, link = now_ns, judged(measured(meter, now_ns), 100.0)
     seq = 150
-    while link.code == "" and now_ns - begin_ns < 5_000 * NS_PER_MS:
+    while present(link).code == "" and now_ns - begin_ns < 5_000 * NS_PER_MS:
         seq += 1
         if rng.random() > 0.1:
             now_ns = arrive(meter, seq, network_ms=5.0, unsure_ms=3.0)
             link = judged(measured(meter, now_ns), 100.0)
-    assert link.code == "samples_lost"
-    assert "% of the hand samples are lost" in link.reason
+    assert present(link).code == "samples_lost"
+    assert "% of the hand samples are lost" in present(link).reason
 
 
 def test_samples_without_the_clocks_offset_say_so_at_once() -> None:
@@ -214,7 +215,7 @@ def test_samples_without_the_clocks_offset_say_so_at_once() -> None:
         now_ns = arrive(meter, seq, network_ms=5.0, unsure_ms=3.0)
     now_ns += 200 * NS_PER_MS
     meter.arrive(sample(46), None, now_ns)
-    link = judged(measured(meter, now_ns), 100.0)
+    link = present(judged(measured(meter, now_ns), 100.0))
     assert link.age_ms is None
     assert link.code == "clock_unknown"
 
@@ -235,7 +236,7 @@ def test_rare_samples_are_told_by_the_rate_of_the_cameras(period_ms: int, tracki
         meter.arrive(
             msgspec.structs.replace(hand(seq, captured_ns), sent_ns=sent_ns), ClockOffset(0, 3_000_000), now_ns
         )
-    link = judged(measured(meter, now_ns), 125.0)
+    link = present(judged(measured(meter, now_ns), 125.0))
     told = f"a sample each {period_ms} ms, {tracking_ms + 8:.0f} ms old at arrival; the limit is 125 ms"
     assert told in link.reason
     assert cure in link.reason

@@ -225,6 +225,7 @@ class LeaseMachine(RuleBasedStateMachine):
         if self.in_force is None or self.in_force.holder is holder:
             self.note(outcome)
         else:
+            assert isinstance(outcome, Reason)
             assert self.in_force.holder.name in outcome.sentence
             self.asked[holder] = self.now_ns
 

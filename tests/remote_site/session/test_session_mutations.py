@@ -15,7 +15,7 @@ from remote_site.session.fault_latch import FaultLatch
 from remote_site.session.halts import Halts
 from remote_site.session.hand_signal import HandSignal
 from remote_site.session.hold import Hold
-from remote_site.session.lease import LeaseServer
+from remote_site.session.lease import Holder, LeaseServer
 from remote_site.session.operator_page import OperatorPage
 from remote_site.session.requests import RequestHandler
 from remote_site.session.state_machine import Session
@@ -197,7 +197,7 @@ TEXTS = [
         lease(
             of_lease.test_what_is_sent_under_another_number_or_by_another_site_is_fenced,
             of_lease.FIRST,
-            of_lease.Holder(of_lease.ANNA.session, "ben"),
+            Holder(of_lease.ANNA.session, "ben"),
             Code.NOT_HOLDER,
         ),
     ),

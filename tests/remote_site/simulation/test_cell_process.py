@@ -4,11 +4,13 @@ import multiprocessing
 import os
 import signal
 import time
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
-from common.process.children import END, Children
+from common.process.children import END, Children, Heartbeat
 from common.process.service import StopFlag
 from lab.stage.waiting import until
 from remote_site.kinematics.config import RobotConfig
@@ -31,12 +33,12 @@ class Rig:
         self.children = Children("remote")
         self.child = self.children.start("cell", self.run)
         self.children.wait_ready(30.0, StopFlag())
-        self.log = []
+        self.log: list[Any] = []
 
-    def run(self, should_stop, heartbeat) -> None:
+    def run(self, should_stop: StopFlag, heartbeat: Heartbeat) -> None:
         process.run_cell(process.SimulatedCell(CONFIG, ROBOT, self.memory), should_stop, heartbeat.beat)
 
-    def watch(self, until, seconds: float = 30.0) -> None:
+    def watch(self, until: Callable[[Any], object], seconds: float = 30.0) -> None:
         """Keep every new reading until one fulfils `until`."""
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
@@ -48,7 +50,7 @@ class Rig:
             time.sleep(0.0005)
         pytest.fail(f"not reached in {seconds} s; last reading {self.log[-1]}")
 
-    def column(self, key: str):
+    def column(self, key: str) -> np.ndarray:
         return np.array([reading[key] for reading in self.log])
 
 
@@ -143,7 +145,7 @@ def test_steps_are_stamped_one_period_apart_on_this_hosts_clock(rig):
     assert np.median(steps % 2_000_000) == 0
 
 
-def parent_of_a_cell(memory: CellMemory, pids) -> None:
+def parent_of_a_cell(memory: CellMemory, pids: Any) -> None:
     children = Children("remote")
     cell = process.SimulatedCell(CONFIG, ROBOT, memory)
     child = children.start("cell", lambda stop, beat: process.run_cell(cell, stop, beat.beat))
@@ -170,9 +172,9 @@ def test_the_cell_outlives_its_parent_only_to_stop_the_arm():
     assert np.abs(last["dq"]).max() < 1e-2
 
 
-def test_a_cell_beats_after_each_step(monkeypatch: pytest.MonkeyPatch):
+def test_a_cell_beats_after_each_step(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(process, "ask_for_real_time", lambda _priority: True)
-    cell, steps = process.SimulatedCell(CONFIG, ROBOT, CellMemory.create(6)), []
+    cell, steps = process.SimulatedCell(CONFIG, ROBOT, CellMemory.create(6)), list[int]()
     process.run_cell(cell, lambda: len(steps) >= 5, lambda: steps.append(round(cell.data.time / cell.dt)))
     assert steps == [1, 2, 3, 4, 5]
 

@@ -1,8 +1,11 @@
 """The simulated controller follows, bridges, stops within limits, and moves again only when activated."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from common.geometry import Array
 from remote_site.simulation.config import ServoConfig
 from remote_site.simulation.controller import ControllerFault, SimulatedController, controller_limits
 from remote_site.simulation.memory import command_dtype, setup_dtype
@@ -22,9 +25,9 @@ class Desk:
         self.setup[()] = (round(timeout_ms * 1e6), 10.0, 100.0, 25.0)
         self.now_ns = 0
         self.lag = np.zeros(6)
-        self.motions = []
+        self.motions: list[Any] = []
 
-    def activate(self, q=Q0) -> None:
+    def activate(self, q: Array = Q0) -> None:
         self.command["activation"] += 1
         self.command["run"], self.command["q"], self.command["dq"], self.command["ddq"] = True, q, 0, 0
         self.tick()

@@ -1,6 +1,8 @@
 """The simulated arm follows the operator's pick and place, and the block goes with it."""
 
+from collections.abc import Sequence
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,13 +15,16 @@ from remote_site.simulation.config import BlockConfig, CellConfig
 from remote_site.simulation.controller import ControllerFault
 from remote_site.simulation.memory import GRIPPER_COMMANDS, CellMemory
 from remote_site.simulation.process import SimulatedCell
-from tests.remote_site.simulation.cell_motion import PICK_AND_PLACE, arm_model, sample
+from tests.present import present
+from tests.remote_site.simulation.cell_motion import PICK_AND_PLACE, Stage, arm_model, sample
 
 ROBOT = RobotConfig()
 STEP_NS = 2_000_000
 
 
-def play(block: BlockConfig, stages=PICK_AND_PLACE, speed: float = 0.15, grip_n: float = 25.0) -> SimpleNamespace:
+def play(
+    block: BlockConfig, stages: Sequence[Stage] = PICK_AND_PLACE, speed: float = 0.15, grip_n: float = 25.0
+) -> SimpleNamespace:
     """Run a motion in simulated time and keep what happens at each setpoint."""
     memory = CellMemory.create(6)
     cell = SimulatedCell(CellConfig(block=block), ROBOT, memory)
@@ -39,11 +44,11 @@ def play(block: BlockConfig, stages=PICK_AND_PLACE, speed: float = 0.15, grip_n:
             cell.step(now_ns, now_ns)
         reading = memory.reading.read()
         watch.observe(GripperReading(float(reading["opening_m"]), float(reading["force_n"])), now_ns, gripper)
-        seen.append(look(cell, reading) | {"status": watch.state.status})
+        seen.append(look(cell, reading) | {"status": present(watch.state).status})
     return SimpleNamespace(**{key: np.array([moment[key] for moment in seen]) for key in seen[0]})
 
 
-def look(cell: SimulatedCell, reading) -> dict:
+def look(cell: SimulatedCell, reading: Any) -> dict[str, Any]:
     model, data = cell.cell.model, cell.data
     contacts = {frozenset(model.geom(g).name for g in pair) for pair in data.contact.geom}
     body = data.body("block")

@@ -1,13 +1,14 @@
 """The clutch through the whole pipeline: the arm rests while the hand is moved, and goes on from there."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
 from common.clock import NS_PER_S
 from common.geometry import Array
-from common.messages.hand import ClutchKey, Intent, TrackingStatus
+from common.messages.hand import ClutchKey, HandArm, Intent, TrackingStatus
 from common.messages.requests import EngagementAction
 from common.messages.robot import GripperCommand, SessionState
 from remote_site.config import RemoteConfig
@@ -47,7 +48,7 @@ def tool(loop: RemoteLoop) -> Array:
     return 1e3 * loop.model.forward(loop.sent.q)[:3, 3]
 
 
-def engaged(**changes: object) -> RemoteLoop:
+def engaged(**changes: Any) -> RemoteLoop:
     """An arm that has followed the hand to where it can go no farther."""
     loop = RemoteLoop()
     loop.run(GOOD, at((0.0, 0.0, 0.3)), intent=UP, **changes)
@@ -56,7 +57,7 @@ def engaged(**changes: object) -> RemoteLoop:
     return loop
 
 
-def clutched(**changes: object) -> RemoteLoop:
+def clutched(**changes: Any) -> RemoteLoop:
     """The same with the hand brought back under the clutch."""
     loop = engaged(**changes)
     loop.run(GOOD, moving(loop, REACHED, BACK, 0.8), intent=DOWN, **changes)
@@ -137,7 +138,7 @@ def test_an_opening_that_begins_after_the_release_and_before_the_arm_follows_lea
 
 def shuffled(loop: RemoteLoop, keys: list[Intent], order: list[int]) -> None:
     """A sample for each of the keys, captured in a row, that come in this order, one a tick; -1 is a lost one."""
-    samples = []
+    samples: list[HandArm] = []
     for key in keys:
         loop.hand_seq += 1
         capture_ns = loop.clock.now_ns() - (len(keys) - len(samples)) * 10**6

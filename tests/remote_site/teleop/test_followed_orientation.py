@@ -9,10 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from common.clock import NS_PER_MS
-from common.geometry import angle_between, rotation_from_vector
+from common.geometry import Array, angle_between, rotation_from_vector
 from remote_site.motion.catch_up import CATCH_UP_RAD_S
 from remote_site.session.samples import Accepted
 from remote_site.teleop.followed_orientation import FollowedOrientation
+from tests.present import present
 from tests.remote_site.remote_loop import hand
 
 FRAME_NS = 33 * NS_PER_MS
@@ -27,8 +28,10 @@ def turned(degrees, axis=(0.0, 0.0, 1.0)):
 
 def judged(k, orientation, deg_s=FREE):
     """The k-th sample, which may turn the tool so fast about each axis."""
-    speeds = (math.radians(deg_s),) * 3 if np.isscalar(deg_s) else tuple(np.radians(deg_s))
-    return Accepted(hand(k, k * FRAME_NS), np.zeros(3), orientation, k * FRAME_NS, False, 1.0, speeds)
+    about_x, about_y, about_z = np.radians(np.broadcast_to(deg_s, 3)).tolist()
+    return Accepted(
+        hand(k, k * FRAME_NS), np.zeros(3), orientation, k * FRAME_NS, False, 1.0, (about_x, about_y, about_z)
+    )
 
 
 def followed(orientations, deg_s=FREE, begin=None):
@@ -52,7 +55,7 @@ def test_a_sure_hand_is_followed_exactly():
 def test_before_the_hand_has_shown_an_orientation_there_is_none_and_the_first_is_followed_at_once():
     following = FollowedOrientation()
     assert following.follow(judged(1, None), FRAME_S) is None
-    assert np.array_equal(following.follow(judged(2, turned(80)), FRAME_S), turned(80))
+    assert np.array_equal(present(following.follow(judged(2, turned(80)), FRAME_S)), turned(80))
 
 
 def test_a_slow_limit_is_kept_and_what_it_leaves_is_made_up_slowly():
@@ -100,7 +103,7 @@ def test_a_new_reference_forgets_the_lag():
     following.begin(np.eye(3))
     following.follow(judged(1, turned(20.0), 1.0), FRAME_S)
     following.begin(turned(20.0))
-    assert np.array_equal(following.follow(judged(2, turned(20.0)), FRAME_S), turned(20.0))
+    assert np.array_equal(present(following.follow(judged(2, turned(20.0)), FRAME_S)), turned(20.0))
 
 
 def test_after_a_hold_the_lag_is_the_one_from_before():
@@ -115,10 +118,10 @@ def test_after_a_hold_nothing_more_is_taken_back():
     following.begin(np.eye(3))
     for k in range(1, 20):
         following.follow(judged(k, turned(k)), FRAME_S)
-    partly = following.follow(judged(20, None, 30.0), FRAME_S)
+    partly = present(following.follow(judged(20, None, 30.0), FRAME_S))
     assert apart_deg(partly, turned(19.0)) == pytest.approx(30.0 * FRAME_S)
     following.resume(judged(30, None))
-    assert np.array_equal(following.follow(judged(31, None), FRAME_S), partly)
+    assert np.array_equal(present(following.follow(judged(31, None), FRAME_S)), partly)
 
 
 def test_what_is_used_of_the_catch_up_speed_is_not_left_for_others():
@@ -138,11 +141,12 @@ speeds = st.tuples(*(st.floats(0.0, 90.0) for _ in range(3)))
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(st.lists(st.tuples(vectors, speeds, st.booleans()), min_size=1, max_size=20))
 def test_no_step_is_ever_faster_than_the_fastest_axis_allows(given_samples):
-    following, before = FollowedOrientation(), np.eye(3)
+    following = FollowedOrientation()
+    before: Array = np.eye(3)
     following.begin(before)
     for k, (vector, deg_s, shown) in enumerate(given_samples, start=1):
         sample = judged(k, rotation_from_vector(3.0 * np.array(vector)) if shown else None, deg_s)
-        now = following.follow(sample, FRAME_S)
+        now = present(following.follow(sample, FRAME_S))
         assert apart_deg(before, now) <= max(deg_s) * FRAME_S + 1e-5
         before = now
 

@@ -1,6 +1,7 @@
 """Through the whole pipeline: what the hand did while it did not lead the arm never moves the gripper afterwards."""
 
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -26,10 +27,10 @@ def engaged(toggles: int = 0) -> RemoteLoop:
     return loop
 
 
-Interrupt = Callable[..., dict[str, object]]
+Interrupt = Callable[..., dict[str, Any]]
 
 
-def disengaged(loop: RemoteLoop, **changes: object) -> dict[str, object]:
+def disengaged(loop: RemoteLoop, **changes: Any) -> dict[str, Any]:
     """Disengage, let the hand do this, and engage; what else the samples hold afterwards."""
     loop.ask(EngagementAction.DISENGAGE)
     loop.run(GOOD, still, **changes)
@@ -37,21 +38,21 @@ def disengaged(loop: RemoteLoop, **changes: object) -> dict[str, object]:
     return {}
 
 
-def held(loop: RemoteLoop, **changes: object) -> dict[str, object]:
+def held(loop: RemoteLoop, **changes: Any) -> dict[str, Any]:
     loop.run(40)
     assert loop.states[-1] is SessionState.HOLDING
     loop.run(8 * EVERY, still, **changes)
     return {}
 
 
-def renewed(loop: RemoteLoop, **changes: object) -> dict[str, object]:
+def renewed(loop: RemoteLoop, **changes: Any) -> dict[str, Any]:
     for revision in range(1, 6):
         intent = Intent(settings=OperatorSettings(lease=loop.lease, revision=revision))
         loop.run(EVERY, still, intent=intent, **changes)
     return {"intent": intent}
 
 
-def lost(loop: RemoteLoop, **changes: object) -> dict[str, object]:
+def lost(loop: RemoteLoop, **changes: Any) -> dict[str, Any]:
     loop.run(EVERY, still, status=TrackingStatus.LOST)
     loop.run(8 * EVERY, still, **changes)
     return {}

@@ -75,6 +75,10 @@ def test_the_cell_has_a_coronal_and_a_sagittal_view_of_the_upright_torso():
     assert data.ncon <= 4  # the block on the table, and nothing else
 
 
+def estimate_of(points, t_ns):
+    return ArmEstimate(t_ns, TrackingStatus.TRACKED, "", **points)
+
+
 @pytest.fixture(scope="module")
 def followed():
     """The arm after two and a half seconds of the swing, with the elbow that is tracked."""
@@ -83,7 +87,7 @@ def followed():
     for k in range(110):
         points, t_ns = true_points(swing.arm(max(k - 35, 0))), round((k + 1) * 1e9 / FPS)
         arm.run_until(t_ns + 10_000_000)
-        arm.send(ArmEstimate(t_ns, TrackingStatus.TRACKED, "", **points))
+        arm.send(estimate_of(points, t_ns))
         palms.append(points["palm"])
         times_ns.append(t_ns)
     return arm, np.array(times_ns), np.array(palms)
@@ -109,7 +113,7 @@ def test_a_sample_without_a_palm_is_refused(followed):
     points = dict(true_points(Swing().arm(0)))
     del points["palm"]
     arm.run_until(t_ns + 10_000_000)
-    arm.send(ArmEstimate(t_ns, TrackingStatus.TRACKED, "", **points))
+    arm.send(estimate_of(points, t_ns))
     arm.run_until(t_ns + 20_000_000)
     assert arm.path.engaged_ns == before
     assert arm.path.hindered["no_wrist"] > 0

@@ -64,7 +64,8 @@ def test_moving_the_operator_moves_nothing_else(first, second, step, frame, shif
     """Rigid equivariance: another operator frame, with its own base_R_operator, gives the same target."""
     plain = engaged(first).target(WRIST + step, second)
     turned = FACING @ frame.T
-    mapping = RelativeMapping(MappingConfig(base_R_operator=tuple(map(tuple, turned.tolist()))))
+    x, y, z = ((a, b, c) for a, b, c in turned.tolist())
+    mapping = RelativeMapping(MappingConfig(base_R_operator=(x, y, z)))
     mapping.engage(frame @ WRIST + shift, frame @ first, TOOL)
     assert np.abs(mapping.target(frame @ (WRIST + step) + shift, frame @ second) - plain).max() < 1e-9
 

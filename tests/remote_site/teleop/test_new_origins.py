@@ -1,5 +1,7 @@
 """New origins through the whole pipeline: taken in full motion, the target does not jump by 0.01 mm."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -43,5 +45,5 @@ def test_with_new_origins_at_every_sample_the_arm_keeps_its_place():
     before = loop.model.forward(loop.sent.q)[:3, 3]
     for count in range(1, 20):
         intent = Intent(settings=OperatorSettings(lease=loop.lease, revision=count))
-        loop.run(8, lambda _t_ns, k=count: (0.0, -0.05 + 0.002 * k, 0.3), intent=intent)
+        loop.run(8, partial(lambda k, _t_ns: (0.0, -0.05 + 0.002 * k, 0.3), count), intent=intent)
     assert np.linalg.norm(loop.model.forward(loop.sent.q)[:3, 3] - before) * 1e3 < 0.01

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS
-from common.geometry import rotation_from_vector
+from common.geometry import Array, rotation_from_vector
 from remote_site.safety.config import SafetyConfig
 from remote_site.teleop.sample_validator import OrientationGate
 
 FRAME_NS = 33 * NS_PER_MS
 
 
-def turned(degrees: float):
+def turned(degrees: float) -> Array:
     return rotation_from_vector(np.radians([0.0, 0.0, degrees]))
 
 

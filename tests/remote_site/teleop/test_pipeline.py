@@ -1,5 +1,7 @@
 """The pipeline as a whole: what the driver receives stays within every limit, whatever the hand and the wire do."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -218,14 +220,15 @@ def test_no_sequence_of_events_breaks_the_invariant(sequence):
         if kind == "session":
             session += 1
             loop.grant(session)
-        changes = {
+        may_change: dict[str, dict[str, Any]] = {
             "lost": {"status": TrackingStatus.LOST, "wrist": None},
             "late": {"capture_ns": now_ns - 150 * NS_PER_MS},
             "old": {"seq": seq - 3},
-        }.get(kind, {})
+        }
+        given = {"seq": seq, "capture_ns": now_ns, "wrist": place, "session": session, "lease": loop.lease}
         if kind == "engage":
             loop.ask(EngagementAction.ENGAGE)
-        fields = {"seq": seq, "capture_ns": now_ns, "wrist": place, "session": session, "lease": loop.lease} | changes
+        fields: dict[str, Any] = given | may_change.get(kind, {})
         samples = [] if kind in ("nothing", "engage") else [hand(**fields)]
         state = loop.states[-1]
         for k in range(ticks):

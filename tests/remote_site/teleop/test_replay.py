@@ -1,6 +1,5 @@
 """A cycle depends on its inputs alone: what was recorded gives the same commands when it is fed through again."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +16,7 @@ SECONDS = 20.0
 
 
 @pytest.fixture(scope="module", params=[kinematic, c500c], ids=["kinematic", "c500c"])
-def recorded(request: pytest.FixtureRequest) -> Iterator[list[Cycle]]:
+def recorded(request: pytest.FixtureRequest) -> list[Cycle]:
     """Twenty stepped seconds of a troubled operator, link, driver and robot."""
     cycles: list[Cycle] = []
     true_cycle = TeleopPipeline.cycle

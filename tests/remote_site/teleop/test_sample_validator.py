@@ -1,6 +1,7 @@
 """The sample validator: what is late, duplicated, reordered or wild is refused with its reason, and nothing else."""
 
 import itertools
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -23,6 +24,7 @@ from remote_site.session.lease import Holder, Lease
 from remote_site.session.samples import Accepted, NamedSample, Rejected
 from remote_site.teleop.sample_receiver import SampleReceiver
 from remote_site.teleop.sample_validator import SampleValidator
+from tests.present import present
 from tests.remote_site.remote_loop import FOR_EVER_NS, LEASE, hand
 
 NOW = 1_000 * NS_PER_MS
@@ -63,9 +65,10 @@ def test_a_good_sample_is_accepted_with_wrist_orientation_and_time_of_birth(inta
         result = accept(intake, sample)
     assert isinstance(result, Accepted)
     assert result.born_ns == sample.capture_ns
-    assert result.position.tolist() == list(sample.wrist)
+    assert result.position.tolist() == list(present(sample.wrist))
     assert np.array_equal(
-        result.operator_R_hand, hand_rotation(*map(np.array, (sample.wrist, sample.index, sample.thumb)))
+        present(result.operator_R_hand),
+        present(hand_rotation(*map(np.array, (sample.wrist, sample.index, sample.thumb)))),
     )
     assert not result.new_session
 
@@ -219,7 +222,7 @@ def test_the_point_that_the_tool_copies_is_judged_by_its_own_covariance(point):
     other = HandPoint.WRIST if point is HandPoint.PALM else HandPoint.PALM
     poor = (0.03, 0.0, 0.0, 0.03, 0.0, 0.03)  # 300 mm
     intake = copying(point)
-    shown = {"palm": (0.0, -0.06, 0.3)}
+    shown: dict[str, Any] = {"palm": (0.0, -0.06, 0.3)}
     sure = accept(intake, hand(1, NOW, covariance=PointCovariances(**{point: SURE, other: poor}), **shown))
     unsure = accept(intake, hand(2, NOW + PERIOD, covariance=PointCovariances(**{point: poor, other: SURE}), **shown))
     assert (code(sure), sure.speed) == (Code.OK, 1.0)

@@ -1,6 +1,8 @@
 """A short hold that late samples caused loses nothing: the arm goes on to the same origins, slowly."""
 
 import math
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -131,7 +133,7 @@ def test_what_holds_in_a_row_leave_to_make_up_is_never_more_than_30_mm() -> None
         held(loop)
         at_m += 0.018
         here = shifted(at_m)
-        loop.run(40, lambda _, here=here: here)
+        loop.run(40, partial(lambda here, _: here, here))
     loop.run(600, lambda _: shifted(0.054))
     assert loop.states[-1] is SessionState.ENGAGED
     assert np.linalg.norm(moved(loop)) < 0.054 - 0.01
@@ -156,7 +158,7 @@ def test_a_hand_that_turned_more_than_10_deg_gives_new_origins() -> None:
         assert (loop.snapshot.engagement.shift_deg == 0) is kept
 
 
-def turned(degrees: float) -> dict[str, Point]:
+def turned(degrees: float) -> dict[str, Any]:
     """The tips of a hand at home turned about the vertical."""
     cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
 
@@ -174,7 +176,7 @@ def test_what_is_too_far_is_not_made_up_although_the_hand_went_there_partly_befo
     """Half of it fell into the hold, by 30 mm and 10 deg little enough; the whole of it would have to be made up."""
     loop = engaged()
     held(loop)
-    tips = {name: (x + metres, y, z) for name, (x, y, z) in turned(degrees).items()}
+    tips: dict[str, Any] = {name: (x + metres, y, z) for name, (x, y, z) in turned(degrees).items()}
     loop.run(700, lambda _: shifted(metres), **tips)
     assert loop.states[-1] is SessionState.ENGAGED
     assert np.linalg.norm(moved(loop)) < 0.001

@@ -9,6 +9,7 @@ from common.geometry import hand_rotation, vector_from_rotation
 from common.messages.hand import PointCovariances
 from remote_site.safety.config import CertaintyConfig, SafetyConfig
 from remote_site.teleop.turn_certainty import FREE, rotation_covariance, turn_speeds
+from tests.present import present
 from tests.remote_site.remote_loop import hand
 
 CONFIG = SafetyConfig()
@@ -26,21 +27,21 @@ def speeds(thumb, *, inferred=False, **changes):
     """About the hand's axes, deg/s."""
     known = PointCovariances(**({"wrist": SURE, "index": SURE, "thumb": thumb} | changes))
     sample = hand(1, 0, thumb_inferred=inferred, covariance=known)
-    rotation = hand_rotation(sample.wrist, sample.index, sample.thumb)
+    rotation = present(hand_rotation(present(sample.wrist), present(sample.index), present(sample.thumb)))
     return np.degrees(turn_speeds(sample, rotation, CONFIG))
 
 
 def test_the_rotations_covariance_is_that_of_many_spoilt_hands():
     rng = np.random.default_rng(5)
     spread = [0.002 * rng.normal(size=(3, 3)) for _ in POINTS]
-    covariances = tuple(root @ root.T for root in spread)
+    of_wrist, of_index, of_thumb = (root @ root.T for root in spread)
     wrist, index, thumb = POINTS
-    rotation = hand_rotation(*POINTS)
+    rotation = present(hand_rotation(*POINTS))
     turns = []
     for _ in range(4000):
         spoilt = [point + root @ rng.normal(size=3) for point, root in zip(POINTS, spread, strict=True)]
-        turns.append(vector_from_rotation(rotation.T @ hand_rotation(*spoilt)))
-    expected = rotation_covariance(rotation, index - wrist, thumb - wrist, covariances)
+        turns.append(vector_from_rotation(rotation.T @ present(hand_rotation(*spoilt))))
+    expected = rotation_covariance(rotation, index - wrist, thumb - wrist, (of_wrist, of_index, of_thumb))
     assert np.cov(np.array(turns).T) == pytest.approx(expected, abs=0.08 * np.trace(expected))
 
 
@@ -49,14 +50,16 @@ def test_what_does_not_turn_the_hand_makes_it_no_less_sure():
     wrist, index, thumb = POINTS
     along = np.outer(thumb - wrist, thumb - wrist)
     none = np.zeros((3, 3))
-    about_the_palm = rotation_covariance(hand_rotation(*POINTS), index - wrist, thumb - wrist, (none, none, along))
+    about_the_palm = rotation_covariance(
+        present(hand_rotation(*POINTS)), index - wrist, thumb - wrist, (none, none, along)
+    )
     assert about_the_palm[0, 0] == pytest.approx(0.0, abs=1e-12)
     assert about_the_palm[1, 1] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_sender_that_knows_no_covariance_turns_the_tool_freely():
     sample = hand(1, 0)
-    rotation = hand_rotation(sample.wrist, sample.index, sample.thumb)
+    rotation = present(hand_rotation(present(sample.wrist), present(sample.index), present(sample.thumb)))
     assert turn_speeds(sample, rotation, CONFIG) == FREE
     assert speeds(None, wrist=None, index=None).tolist() == list(FREE)
 

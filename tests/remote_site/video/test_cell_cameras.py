@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 
 from common.errors import CameraError
+from common.geometry import Array
 from remote_site.kinematics.config import RobotConfig
 from remote_site.shared_record import SharedRecord
-from remote_site.simulation.cell import build_cell
+from remote_site.simulation.cell import Cell, build_cell
 from remote_site.simulation.config import CellConfig
 from remote_site.simulation.memory import snapshot_dtype
 from remote_site.simulation.views import simulated_calibration
 from remote_site.video.cell_cameras import CellRenderer, open_cell_cameras
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.pictures import encode_jpeg
+from tests.present import present
 
 VIDEO = VideoConfig(width=320, height=240)
 VIEWS = ["front_high", "front_low", "side", "gripper"]
@@ -37,10 +39,10 @@ def renderer(cell):
     renderer.close()
 
 
-def posture(cell, joint_2: float = 0.0):
+def posture(cell: Cell, joint_2: float = 0.0) -> Array:
     data = cell.start()
     data.qpos[1] += joint_2
-    return data.qpos.copy()
+    return np.array(data.qpos)
 
 
 @pytest.mark.slow
@@ -133,7 +135,7 @@ def test_what_has_not_moved_is_not_drawn_again(cell, monkeypatch):
     for k, turned in enumerate((0.0, 1e-6, 1e-3, 1e-3)):
         snapshot[()] = (1_000_000 * (k + 1), posture(cell, turned))
         record.write(snapshot)
-        assert camera.newest().capture_ns == 1_000_000 * (k + 1)
+        assert present(camera.newest()).capture_ns == 1_000_000 * (k + 1)
     camera.close()
     assert len(drawn) == 2
 
@@ -154,12 +156,12 @@ def test_a_frame_bears_the_time_of_the_posture_and_comes_once(cell):
     snapshot = np.zeros((), record.dtype)
     snapshot[()] = (123_456_789, posture(cell))
     record.write(snapshot)
-    first, again = cameras[0].newest(), cameras[0].newest()
+    first, again = present(cameras[0].newest()), cameras[0].newest()
     assert first is again
     assert (first.capture_ns, first.seq, first.capture_estimated) == (123_456_789, 0, False)
     snapshot["t_ns"] += 33_000_000
     record.write(snapshot)
-    assert cameras[0].newest().seq == 1
+    assert present(cameras[0].newest()).seq == 1
     cameras[0].close()
     cameras[0].close()
 

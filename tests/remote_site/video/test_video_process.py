@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 from collections import Counter
+from collections.abc import Callable
 
 import cv2
 import numpy as np
@@ -82,14 +83,20 @@ def test_four_simulated_views_are_live_until_the_cell_dies():
     assert all(row[3] == 0 and "no new picture" in row[4] for row in frozen)
 
 
-def run_until(config: VideoConfig, enough, beat=lambda: None) -> list:
-    seen, deadline = [], time.monotonic() + 10
+def do_nothing() -> None:
+    pass
+
+
+def run_until(
+    config: VideoConfig, enough: Callable[[list[VideoFrame]], bool], beat: Callable[[], None] = lambda: None
+) -> list[VideoFrame]:
+    seen, deadline = list[VideoFrame](), time.monotonic() + 10
     run_video(config, None, VideoWire(seen.append), lambda: enough(seen) or time.monotonic() > deadline, beat)
     return seen
 
 
 def test_without_a_camera_the_process_lives_sends_nothing_and_ends_when_asked():
-    beats = []
+    beats: list[float] = []
     seen = run_until(VideoConfig(cameras=()), lambda _: len(beats) > 3, beat=lambda: beats.append(time.monotonic()))
     assert seen == []
     assert 4 <= len(beats) < 100
@@ -103,7 +110,7 @@ def test_while_nobody_listens_and_at_first_then_pictures_are_small(tmp_path, lis
     for k in range(5):
         cv2.imwrite(str(tmp_path / f"{k:03d}.png"), rng.integers(0, 255, (24, 32, 3), dtype=np.uint8))
     config = VideoConfig(cameras=(CameraConfig(name="side", source=str(tmp_path)),))
-    seen, deadline = [], time.monotonic() + 10
+    seen, deadline = list[VideoFrame](), time.monotonic() + 10
     wire = VideoWire(seen.append, has_listener=lambda: listens)
     run_video(config, None, wire, lambda: any(m.data for m in seen) or time.monotonic() > deadline, lambda: None)
     assert next(m.width for m in seen if m.data) == width
@@ -215,7 +222,7 @@ def test_a_camera_that_hangs_delays_no_other_and_is_told_as_frozen(monkeypatch):
     monkeypatch.setattr("remote_site.video.sources.LiveCamera", Endless)
     config = VideoConfig(cameras=(CameraConfig(name="front", source="0"), CameraConfig(name="side", source="1")))
 
-    def enough(seen) -> bool:
+    def enough(seen: list[VideoFrame]) -> bool:
         return any(m.camera == "front" and m.status is CameraStatus.FROZEN for m in seen)
 
     try:
@@ -240,7 +247,7 @@ def test_no_picture_goes_while_one_waits_in_this_host(monkeypatch):
 
     wire, deadline = VideoWire(seen.append, unsent_bytes=unsent_bytes), time.monotonic() + 10
     config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
-    run_video(config, None, wire, lambda: len(seen) > 8 or time.monotonic() > deadline, int)
+    run_video(config, None, wire, lambda: len(seen) > 8 or time.monotonic() > deadline, do_nothing)
     assert waits_left == 0
     assert [frame.seq for frame in seen] == list(range(9))
     assert {frame.status for frame in seen} == {CameraStatus.LIVE}
@@ -274,8 +281,8 @@ def test_what_the_console_shows_late_is_sent_smaller(monkeypatch):
         config,
         None,
         wire,
-        lambda: (console.seen[-1:] and console.seen[-1].width < 32) or time.monotonic() > deadline,
-        int,
+        lambda: (bool(console.seen) and console.seen[-1].width < 32) or time.monotonic() > deadline,
+        do_nothing,
     )
     assert console.seen[0].width == 32
     assert console.seen[-1].width < 32
@@ -288,7 +295,7 @@ def test_the_adaptation_is_told_for_how_long_this_process_has_waited_for_its_pro
         def wait(self, waited_ms):
             waits.append(waited_ms)
 
-    console = process._Console(VideoWire(list), Told(VideoConfig(), h264=False))
+    console = process._Console(VideoWire(print), Told(VideoConfig(), h264=False))
     for now_ns, queued_ns in ((1_000_000_000, 7), (1_100_000_000, 90_000_007), (1_200_000_000, 90_000_007)):
         console.wait.turn(queued_ns, now_ns)
         console.listen(now_ns)
@@ -307,7 +314,7 @@ def test_who_merely_watches_over_a_narrow_link_takes_nothing_from_the_operator(m
         None,
         wire,
         lambda: len(console.seen) > 60,
-        int,
+        do_nothing,
     )
     assert {frame.width for frame in console.seen} == {32}
 
@@ -322,7 +329,7 @@ def test_a_console_of_another_release_is_told_once_and_delays_nothing(monkeypatc
     seen: list[VideoFrame] = []
     config = VideoConfig(cameras=(CameraConfig(name="side", source="0"),))
     with capture_logs() as logs:
-        run_video(config, None, VideoWire(seen.append, [refuse]), lambda: len(seen) > 5, int)
+        run_video(config, None, VideoWire(seen.append, [refuse]), lambda: len(seen) > 5, do_nothing)
     assert [entry["event"] for entry in logs] == ["a console's report of its views is refused"]
     assert {m.status for m in seen} == {CameraStatus.LIVE}
 
@@ -341,7 +348,11 @@ def test_numbers_that_no_estimate_can_be_made_of_are_told_once_and_end_nothing(m
     cameras = (CameraConfig(name="side", source="0"), CameraConfig(name="front", source="1"))
     with capture_logs() as logs:
         run_video(
-            VideoConfig(cameras=cameras), None, VideoWire(seen.append, [beyond_every_sum]), lambda: len(seen) > 9, int
+            VideoConfig(cameras=cameras),
+            None,
+            VideoWire(seen.append, [beyond_every_sum]),
+            lambda: len(seen) > 9,
+            do_nothing,
         )
     assert [entry["event"] for entry in logs] == ["a console's report of its views is refused"]
     assert {m.status for m in seen} == {CameraStatus.LIVE}

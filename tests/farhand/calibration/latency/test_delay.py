@@ -72,8 +72,9 @@ def test_a_screen_that_brightens_in_a_curve_is_no_bias():
     ids=["faint", "something else", "inverted", "short", "another time"],
 )
 def test_what_shows_no_screen_is_refused_with_the_cure(series, cure):
+    stamps_ns, brightness = series(*seen(PATTERN, 40.0))
     with pytest.raises(CalibrationError, match=cure):
-        estimate_delay(*series(*seen(PATTERN, 40.0)), PATTERN)
+        estimate_delay(stamps_ns, brightness, PATTERN)
 
 
 def test_the_report_is_brought_to_this_hosts_clock_by_the_quickest_query():

@@ -1,5 +1,7 @@
 """Which endpoints the doctor tries, and what it states of those that do not answer."""
 
+from pathlib import Path
+
 import msgspec
 import pytest
 
@@ -19,7 +21,7 @@ class Measuring:
     """Measures what answers; keeps what it was asked."""
 
     def __init__(self, *silent: str) -> None:
-        self.silent, self.asked = silent, []
+        self.silent, self.asked = silent, list[tuple[str, str, str]]()
 
     def __call__(self, endpoint: str, _security: LinkSecurity, cell: str, operator: str) -> LinkFigures:
         self.asked.append((endpoint, cell, operator))
@@ -77,7 +79,7 @@ def test_a_certificate_that_may_not_probe_is_reported() -> None:
     assert "may not send" in examine_link(LocalConfig(), refusing)[0].sentence
 
 
-def test_the_remote_sites_own_file_is_not_for_it(tmp_path) -> None:
+def test_the_remote_sites_own_file_is_not_for_it(tmp_path: Path) -> None:
     path = tmp_path / "remote.toml"
     path.write_text('[driver]\nname = "kinematic"\n')
     assert "operator's host" in examine_link_of(path, ())[0].sentence

@@ -1,6 +1,7 @@
 """A dataset of two made sessions, and its parts as read back."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ def made_sessions() -> list[MadeSession]:
     return [MadeSession("one"), MadeSession("two", spans=((0.4, 2.0),), phase=1.0)]
 
 
-def export(sessions: list[RecordedSession], out: Path, **settings: Any) -> ExportSummary:
+def export(sessions: Sequence[RecordedSession], out: Path, **settings: Any) -> ExportSummary:
     """Export without an interruption."""
     return export_lerobot(sessions, ExportSettings(out, **settings), lambda: False, lambda *_: None)
 

@@ -51,7 +51,7 @@ def test_rerun_reads_every_frame_of_every_stream(dataset, tmp_path):
     output = run(tmp_path, "rerun", dataset, "--save", read, "--bind", "127.0.0.1", "--port", "auto")
     assert "WARN" not in output, output
     printed = run(tmp_path, "rerun", "rrd", "print", read)
-    rows = Counter()
+    rows = Counter[str]()
     for count, entity in re.findall(
         r"with (\d+) rows .* - /(\S+) - data columns: \[(?:VideoStream:sample|Scalars)", printed
     ):

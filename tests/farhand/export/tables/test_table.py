@@ -4,6 +4,7 @@ import csv
 from dataclasses import replace
 from datetime import UTC, datetime
 
+import numpy as np
 import pytest
 
 from common.errors import ConfigError, ExportError, InterruptionError
@@ -31,7 +32,7 @@ def test_every_instant_has_a_row_whose_figures_are_the_session(tmp_path):
     row = rows[100]
     assert float(row["t [s]"]) == 2.0
     assert int(row["t [ns UTC]"]) == EPOCH_NS + 2_000_000_000
-    assert float(row["elbow measured [rad]"]) == pytest.approx(joints(at_s(2.0), 0.0)[0, 2], abs=1e-8)
+    assert float(row["elbow measured [rad]"]) == pytest.approx(joints(np.array([at_s(2.0)]), 0.0)[0, 2], abs=1e-8)
     assert (row["session"], row["episode"], row["task"]) == ("engaged", "1", "put the block on the mark")
     assert int(row["sent [ns UTC]"]) == EPOCH_NS + 1_997_000_000
     assert datetime.fromtimestamp(int(row["t [ns UTC]"]) / 1e9, UTC).year == 2026

@@ -14,6 +14,7 @@ from remote_site.reasons import Code
 from remote_site.simulation.config import MarkerConfig
 from remote_site.teleop.pipeline import TeleopPipeline
 from tests.lab.experiments.placing.assisted_site import AssistedSite, assisted_config
+from tests.present import present
 from tests.remote_site.teleop.cycle_log import Cycle, first_difference
 
 YAW_DEG = 8.0
@@ -26,7 +27,7 @@ def beside_the_block() -> Iterator[AssistedSite]:
     site.go(1.5)
     site.go(1.5, moves=(0.0, 0.0, -0.17))
     site.go(1.5, moves=(0.04, 0.01, 0.0))
-    assert site.site.snapshot.assist.phase is AssistPhase.OFFERED
+    assert present(site.site.snapshot.assist).phase is AssistPhase.OFFERED
     yield site
     site.close()
 
@@ -56,12 +57,12 @@ def place_by_assist(site: AssistedSite) -> None:
     """Grasp, carry the block by hand to beside its place, and set it down."""
     assert site.miss("block")[0] > 25
     site.go(4.5, "block")
-    assert site.site.snapshot.assist.code == Code.ASSIST_THERE
+    assert present(site.site.snapshot.assist).code == Code.ASSIST_THERE
     assert site.miss("block")[0] < 0.5
     assert site.miss("block")[1] < 0.3
     site.toggles += 1
     site.go(1.0)
-    assert site.site.gripper.status is GripperStatus.HOLDING
+    assert present(site.site.gripper).status is GripperStatus.HOLDING
     site.go(1.0, moves=(0.0, 0.0, 0.035))
     site.go(2.5, moves=(0.0, -0.21, 0.0))
     site.go(5.0, "paper")
@@ -100,9 +101,9 @@ def test_the_grippers_camera_alone_leads_from_near():
     site.paint = blind
     site.go(2.0)
     assert site.miss("wall")[0] > 20
-    assert site.site.snapshot.assist.target.views == ("gripper",)
+    assert present(present(site.site.snapshot.assist).target).views == ("gripper",)
     site.go(4.0, "wall")
-    assert site.site.snapshot.assist.code == Code.ASSIST_THERE
+    assert present(site.site.snapshot.assist).code == Code.ASSIST_THERE
     assert site.miss("wall")[0] < 0.5
     assert site.miss("wall")[1] < 0.3
     site.close()

@@ -4,22 +4,24 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_S
+from common.geometry import Array
 from common.messages.hand import TrackingStatus
 from lab.experiments.placing import causes
 from lab.experiments.placing.alterations import FINGER_ERRORS, FingerErrors, at_thesis_rate, thesis_local
 from lab.experiments.placing.judge import Placed
 from lab.experiments.placing.trial import TrialResult, remote_config
 from local_site.tracking.tracker import ArmEstimate
+from tests.present import present
 
 
 def errors_of(seed, seconds):
     """Errors of index and thumb (n, 3) in m, over some time at 30 estimates a second."""
-    fingers, off = FingerErrors(np.random.default_rng(seed)), {"index": [], "thumb": []}
+    fingers, off = FingerErrors(np.random.default_rng(seed)), dict[str, list[Array]](index=[], thumb=[])
     for k in range(30 * seconds):
         at = ArmEstimate(k * NS_PER_S // 30, TrackingStatus.TRACKED, "", index=np.ones(3), thumb=np.zeros(3))
         moved = fingers.add(at)
-        off["index"].append(moved.index - 1.0)
-        off["thumb"].append(moved.thumb)
+        off["index"].append(present(moved.index) - 1.0)
+        off["thumb"].append(present(moved.thumb))
     return {name: np.array(values) for name, values in off.items()}
 
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from typing import Any
 
 import pytest
 
@@ -20,7 +21,7 @@ FIGURE = {"median": 2.0, "q1": 1.0, "q3": 3.0}
 
 def reports(value=2.5):
     """A report of every experiment in which each printed figure is the same."""
-    made = {name: {} for name in NAMES}
+    made: dict[str, dict[str, Any]] = {name: {} for name in NAMES}
     for printed in (*of_thesis(), *of_report()):
         inside = made[printed.experiment]
         for name in printed.path[:-1]:
@@ -112,7 +113,7 @@ def run_counting(ran):
 
 
 def test_what_is_done_is_not_run_again_unless_it_was_quicker_or_of_another_version(tmp_path):
-    ran = []
+    ran: list[str] = []
     for quick, version in ((True, "1"), (True, "1"), (False, "1"), (False, "2")):
         run_every(NAMES, run_counting(ran), tmp_path, quick, version)
     assert ran == [*NAMES] * 3
@@ -121,7 +122,7 @@ def test_what_is_done_is_not_run_again_unless_it_was_quicker_or_of_another_versi
 
 
 def test_one_that_was_interrupted_leaves_what_was_done(tmp_path):
-    ran = []
+    ran: list[str] = []
     whole = run_counting(ran)
 
     def interrupted(name):
@@ -147,7 +148,7 @@ def test_a_report_that_cannot_be_read_is_named_with_the_cure(tmp_path):
 
 
 def test_a_mark_of_something_else_counts_as_not_done(tmp_path):
-    ran = []
+    ran: list[str] = []
     (tmp_path / "icr").mkdir()
     (tmp_path / "icr" / "done.json").write_text(json.dumps({"version": "1"}))
     run_every(NAMES, run_counting(ran), tmp_path, False, "1")

@@ -19,6 +19,7 @@ from local_site.simulation.hazel import UPPER_ARM_M, true_points
 from local_site.tracking.monocular.arm_model import ArmPose
 from local_site.tracking.tracker import ArmEstimate
 from remote_site.config import RemoteConfig
+from tests.present import present
 
 STILL, MOVES, LOST = 35, 60, 50
 # As documented: mean, 95th percentile and largest, mm.
@@ -106,7 +107,9 @@ def test_a_lost_frame_commands_nothing_and_is_a_gap_in_the_table():
 def test_the_humanoid_is_seen_from_two_sides_in_each_posture(views):
     start = REMOTE.robot.start
     bent = start + np.array([0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0])
-    plate = cv2.imdecode(np.frombuffer(views.plate({1: start, 40: bent}), np.uint8), cv2.IMREAD_COLOR).astype(int)
+    plate = present(cv2.imdecode(np.frombuffer(views.plate({1: start, 40: bent}), np.uint8), cv2.IMREAD_COLOR)).astype(
+        int
+    )
     above, below = np.vsplit(plate, 2)
     for row in (above, below):
         left, right = np.hsplit(row[: row.shape[1] // 2 - 8], 2)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from lab.experiments.robonaut import drift
+from tests.present import present
 
 # As documented: the tool off the hand's position in mm on average, at most and at the end.
 DOCUMENTED_MM = {
@@ -45,7 +46,7 @@ def test_the_drift_of_the_incremental_command_stands_beside_the_relative_one(mon
         assert ends["incremental"] > 2.0 * ends["relative"]
     assert report.data["drift"].rows.shape == (30, 1 + 6 * 3)
     assert "incremental, an arm that arrives, exact palm: 0.0 mm" in report.summary
-    picture = cv2.imdecode(np.frombuffer(report.plots["drift"], np.uint8), cv2.IMREAD_COLOR)
+    picture = present(cv2.imdecode(np.frombuffer(report.plots["drift"], np.uint8), cv2.IMREAD_COLOR))
     for colour in drift.COLOURS:
         blue_green_red = [int(colour[k : k + 2], 16) for k in (5, 3, 1)]
-        assert (picture == blue_green_red).all(axis=2).sum() > 50
+        assert np.all(picture == blue_green_red, axis=2).sum() > 50

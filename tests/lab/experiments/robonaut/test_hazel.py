@@ -6,6 +6,8 @@ import pytest
 from lab.experiments.robonaut import hazel
 from lab.experiments.robonaut.errors import REPORT_C, REPORT_S, arm_figures, errors_mm
 from lab.experiments.robonaut.footage import track_footage, with_occluder
+from local_site.simulation.hazel import Swing
+from local_site.simulation.textured_arm import Scenery
 from local_site.tracking.config import MonocularConfig
 
 JOINTS = ("shoulder", "elbow", "wrist")
@@ -69,7 +71,7 @@ def test_the_first_frames_are_no_worse_than_documented(setting, undisturbed):
 
 @pytest.fixture(scope="module")
 def undisturbed():
-    return hazel._swing(hazel.Swing(), MANY, hazel.Scenery(), lambda: None)
+    return hazel._swing(Swing(), MANY, Scenery(), lambda: None)
 
 
 @pytest.mark.long
@@ -86,7 +88,7 @@ def test_plots_and_data_are_those_of_the_reports_figures(report):
 
 @pytest.mark.long
 def test_a_loss_in_the_middle_is_counted_and_leaves_a_gap():
-    swing = hazel._swing(hazel.Swing(), FEW, hazel.Scenery(), lambda: None)
+    swing = hazel._swing(Swing(), FEW, Scenery(), lambda: None)
     hidden = with_occluder(swing, (0, 0, 640, 480), range(2, 3), 90)
     tracked = track_footage(hidden, MonocularConfig(), 0.0)
     figures = arm_figures(tracked)

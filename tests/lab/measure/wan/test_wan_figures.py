@@ -72,7 +72,7 @@ def test_what_a_hold_has_lost_is_error_and_does_not_change_the_lag() -> None:
     lost = np.array([0.0, 0.004, 0.003])  # before the second origin
     begin = tuple((tool_at(captured_ns, 0) + lost).tolist())
     later = [
-        state(t, tool=tool_at(t, 100) + lost, origin=(captured_ns, begin))
+        state(t, tool=tuple(tool_at(t, 100) + lost), origin=(captured_ns, begin))
         for t in range(4_100 * MS, 5_100 * MS, STATE_NS)
     ]
     figures = following_figures([state(MS), *later], 2_000 * MS, wrist, COPYING)

@@ -18,6 +18,7 @@ from local_site.console.model.latency import Latencies
 from local_site.console.model.seat import Seat, Visitor
 from local_site.console.model.situation import NewestMessages, situation_json
 from remote_site.video.streaming.pictures import encode_jpeg
+from tests.present import present
 
 OFFSET = ClockOffset(0, 0)
 LINK = HandLink(age_ms=40.0, network_ms=7.0, clock_ms=1.0, tracking_ms=32.0, interval_ms=33.0, jitter_ms=0.0, loss=0.0)
@@ -63,8 +64,8 @@ def test_what_the_page_shows_is_what_the_console_sent(page):
     calibrations = {camera.name: camera.calibration for camera in scene.cell().cameras}
     for name, view in shown.views.items():
         assert abs(int(view.picture.mean()) - 90) <= 1
-        assert view.projection.ravel().tolist() == list(calibrations[name].projection)
-        assert view.on_tool is calibrations[name].on_tool
+        assert view.projection.ravel().tolist() == list(present(calibrations[name]).projection)
+        assert view.on_tool is present(calibrations[name]).on_tool
         assert 0 < time.monotonic_ns() - view.capture_ns < 60e9
     assert page.cell.mapping == scene.cell().mapping
     assert page.settings.scale == 0.5

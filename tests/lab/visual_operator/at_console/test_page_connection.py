@@ -3,6 +3,7 @@
 import socket
 import time
 from contextlib import ExitStack
+from functools import partial
 
 import msgspec
 import pytest
@@ -44,12 +45,7 @@ def test_pictures_come_the_key_goes_and_settings_are_set(console, tmp_path):
         until(lambda: console.watched)
         for seq in range(1, 4):  # as many as nobody would get who does not say that they are painted
             feed(console, seq)
-            until(
-                lambda seq=seq: (
-                    len(connection.page.painted) == 4
-                    and {painted.seq for painted in connection.page.painted.values()} == {seq}
-                )
-            )
+            until(partial(lambda seq: [view.seq for view in connection.page.painted.values()] == 4 * [seq], seq))
         until(lambda: connection.page.lacks() == "")
         until(lambda: console.intents and not console.intents[-1].intent.hold)
         wanted = OperatorSettings(lease=1, revision=9, scale=0.25, rotation_scale=0.5, locks=Locks(roll=True))

@@ -6,6 +6,7 @@ from common.clock import NS_PER_S
 from common.messages.robot import SessionState, VideoTrouble
 from local_site.console.model.history import History
 from tests.common.messages.golden_examples import STATE
+from tests.present import present
 
 
 def test_a_links_trouble_is_noted_once_though_its_figures_change() -> None:
@@ -22,11 +23,11 @@ def test_a_links_trouble_is_noted_once_though_its_figures_change() -> None:
 def test_a_link_too_narrow_for_the_pictures_is_noted() -> None:
     history = History()
     history.add_state(replace(STATE, hand_link=None), 0)
-    assert [event.text for event in history.events if event.kind == "link"] == [STATE.video_link.reason]
+    assert [event.text for event in history.events if event.kind == "link"] == [present(STATE.video_link).reason]
 
 
 def test_a_full_processor_after_a_narrow_link_is_another_event() -> None:
-    history, narrow = History(), STATE.video_link
+    history, narrow = History(), present(STATE.video_link)
     busy = replace(narrow, code=VideoTrouble.BUSY_HOST, reason="the processor of the operator's host is full")
     for second, trouble in ((0, narrow), (10, busy), (20, None)):
         history.add_state(replace(STATE, hand_link=None, video_link=trouble), second * NS_PER_S)

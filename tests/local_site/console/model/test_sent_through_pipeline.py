@@ -2,6 +2,7 @@
 
 import math
 from collections import deque
+from typing import Any
 
 import numpy as np
 from msgspec.structs import replace
@@ -29,7 +30,7 @@ def moving(seq: int, capture_ns: int, settings: OperatorSettings) -> HandArm:
     wrist = np.array((0.05 * math.sin(angle), 0.04 * math.sin(2 * angle), 0.3))
     turn = rotation_from_vector(0.3 * math.sin(angle) * np.array((0.6, 0.0, 0.8)))
     index, thumb = (wrist + turn @ np.array(tip) for tip in ((0.02, -0.17, 0.0), (-0.05, -0.1, 0.01)))
-    tips = {"index": tuple(index.tolist()), "thumb": tuple(thumb.tolist())}
+    tips: dict[str, Any] = {"index": tuple(index.tolist()), "thumb": tuple(thumb.tolist())}
     intent = Intent(settings=settings)
     return hand(seq, capture_ns, tuple(wrist.tolist()), lease=settings.lease, intent=intent, **tips)
 

@@ -43,8 +43,8 @@ def test_a_stop_is_kept_over_the_restart_of_its_site_whether_that_ended_in_order
     last: list[tuple[int, SessionState, str, str]],
 ) -> None:
     unanswered, words = UnansweredFault(), "stopped by maintenance"
-    for state in ((1, ENGAGED), (1, DISENGAGED, words, STOPPED), *last):
-        unanswered.see(told(*state))
+    for state in (told(1, ENGAGED), told(1, DISENGAGED, words, STOPPED), *(told(*state) for state in last)):
+        unanswered.see(state)
         assert unanswered.reason is None
     unanswered.see(told(2, DISENGAGED))
     assert unanswered.reason == words

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from local_site.tracking.features.medial import Edges, MedialLine, limb_sides, medial_line, scan_edges
 from local_site.tracking.features.silhouette import find_silhouette, to_grey
+from tests.present import present
 
 
 def drawn_limb(centre, angle, length=120.0, widths=(34.0, 24.0)):
@@ -64,11 +65,11 @@ def test_too_few_rows_give_no_line():
 
 def test_each_side_of_a_limb_is_found_without_the_other():
     image, axis = drawn_limb(np.array([160.0, 120.0]), 0.4, widths=(30.0, 30.0))
-    both = limb_sides(find_silhouette(to_grey(image), 80.0), axis, -20, 20, 30)
+    both = limb_sides(present(find_silhouette(to_grey(image), 80.0)), axis, -20, 20, 30)
     assert np.allclose(both, [-15, 15], atol=0.6)
     flesh = np.array([axis.at(t) + d * axis.normal for t, d in ((-50, 0), (50, 0), (50, 60), (-50, 60))])
     cv2.fillPoly(image, [np.round(flesh * 16).astype(np.int32)], 150, cv2.LINE_AA, 4)
-    back = limb_sides(find_silhouette(to_grey(image), 80.0), axis, -20, 20, 30)
+    back = limb_sides(present(find_silhouette(to_grey(image), 80.0)), axis, -20, 20, 30)
     assert abs(back[0] + 15) < 0.6
     assert np.isnan(back[1])
 

@@ -35,7 +35,8 @@ SKIN, WALL = (120, 150, 200), (160, 150, 140)
 @pytest.fixture(scope="module")
 def colour():
     learned = ArmColour()
-    learned.learn(*(np.full((1600, 3), colour, np.uint8) for colour in (SKIN, WALL)), 0.0)
+    skin, wall = (np.full((1600, 3), colour, np.uint8) for colour in (SKIN, WALL))
+    learned.learn(skin, wall, 0.0)
     return learned
 
 
@@ -67,11 +68,11 @@ def test_many_pixels_have_the_ratios_of_the_formula(colour):
     random = np.random.default_rng(3)
     middles = np.array([SKIN, WALL, (40, 60, 30)])[random.integers(0, 3, 600)]
     seen = np.clip(middles + random.normal(0, 12, (600, 3)), 0, 255).astype(np.uint8)
-    behind = np.clip(seen * random.uniform(0.7, 1.4, (600, 1)) + random.normal(0, 6, (600, 3)), 0, 255)
+    lit = np.clip(seen * random.uniform(0.7, 1.4, (600, 1)) + random.normal(0, 6, (600, 3)), 0, 255)
     known = (random.random(600) < 0.8).astype(np.uint8)
-    behind = behind.astype(np.float32)
-    planes = np.ascontiguousarray(seen.T), np.ascontiguousarray(behind.T)
-    found = log_ratios(*planes, known, ratio_tables(colour.arm, colour.rest))
+    behind = lit.astype(np.float32)
+    seen_planes, behind_planes = np.ascontiguousarray(seen.T), np.ascontiguousarray(behind.T)
+    found = log_ratios(seen_planes, behind_planes, known, ratio_tables(colour.arm, colour.rest))
     wanted = [expected(colour, *pixel) for pixel in zip(seen.tolist(), behind.tolist(), known, strict=True)]
     assert np.allclose(found, wanted, atol=2e-3)
     assert min(wanted) < -1.0 < 1.0 < max(wanted)

@@ -10,8 +10,9 @@ from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.tracking.landmarks.hand_pairing import MOST_MISFIT, HandPairing
 from local_site.tracking.learned.hand_starts import FIST
 from tests.local_site.tracking.landmarks.seen_hands import PAIR_RIG, landmarks_of, moved, seen_by_all
-from tests.local_site.tracking.rendered_arm import ABOVE, ASIDE, PAIR, STEREO, rig_of
+from tests.local_site.tracking.rendered_arm import ABOVE, ASIDE, PAIR, STEREO, rig_of, rows_of
 from tests.local_site.tracking.silhouette.hand_model.posed_hands import pose_of
+from tests.present import present
 
 THREE = rig_of([camera.projection for camera in (*PAIR, ABOVE)])
 FOUR = rig_of([camera.projection for camera in (*PAIR, ABOVE, ASIDE)])
@@ -31,8 +32,7 @@ def one_each(hands):
 def finer(rig, scale):
     """The rig with pictures of more pixels."""
     cameras = tuple(
-        CameraCalibration(c.name, tuple(map(tuple, (np.diag([scale, scale, 1.0]) @ c.matrix).tolist())), 0.0)
-        for c in rig.cameras
+        CameraCalibration(c.name, rows_of(np.diag([scale, scale, 1.0]) @ c.matrix), 0.0) for c in rig.cameras
     )
     return Rig(cameras, rig.volume_min, rig.volume_max, rig.error_rms, rig.created)
 
@@ -94,7 +94,7 @@ def test_the_misfit_is_the_same_in_finer_pictures(off_px):
     for scale in (1, 2):
         rig = finer(PAIR_RIG, scale)
         left, right = seen_by_all(rig, HAND)
-        seen = HandPairing(rig).meet({0: left, 1: shifted(right, (0.0, scale * off_px / 2))})
+        seen = present(HandPairing(rig).meet({0: left, 1: shifted(right, (0.0, scale * off_px / 2))}))
         misfits.append(seen.misfit)
         residuals.append(seen.residual_px)
     assert misfits[0] == pytest.approx(misfits[1], rel=1e-3)
@@ -105,9 +105,9 @@ def test_the_misfit_is_the_same_in_finer_pictures(off_px):
 def test_views_that_miss_each_other_too_far_do_not_meet():
     left, right = seen_by_all(PAIR_RIG, HAND)
     pairing = HandPairing(PAIR_RIG)
-    misfits = [pairing.meet({0: left, 1: shifted(right, (0.0, off))}) for off in (4.0, 8.0, 60.0)]
-    assert misfits[0].misfit < misfits[1].misfit < MOST_MISFIT
-    assert misfits[2] is None
+    near, farther, far = (pairing.meet({0: left, 1: shifted(right, (0.0, off))}) for off in (4.0, 8.0, 60.0))
+    assert present(near).misfit < present(farther).misfit < MOST_MISFIT
+    assert far is None
 
 
 def test_a_third_view_joins_where_it_agrees_and_is_left_out_where_it_does_not():
@@ -148,6 +148,6 @@ def test_nothing_seen_pairs_with_nothing():
 
 def test_side_and_certainty_are_those_of_all_its_views():
     left, right = seen_by_all(PAIR_RIG, HAND)
-    seen = HandPairing(PAIR_RIG).meet({0: replace(left, right=0.9, score=0.3), 1: replace(right, right=0.2)})
+    seen = present(HandPairing(PAIR_RIG).meet({0: replace(left, right=0.9, score=0.3), 1: replace(right, right=0.2)}))
     assert seen.right == pytest.approx(0.55)
     assert seen.score == pytest.approx(0.3)

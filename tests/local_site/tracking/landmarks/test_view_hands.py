@@ -84,7 +84,7 @@ def test_every_part_of_the_picture_is_searched_and_then_brighter():
 @pytest.mark.parametrize("search", range(len(SEARCHES)))
 def test_a_palm_found_in_a_part_lies_where_that_part_lies(search):
     """The fake sees a palm in the middle of what it is shown: the part's middle."""
-    seen = []
+    seen: list[object] = []
     seeing = fake_follower(lambda shown: middle_palm(shown) if len(seen) >= search else no_palm(shown))
     image = np.full((480, 640, 3), 100, np.uint8)
     for _ in range(search):

@@ -115,8 +115,8 @@ def test_any_posture_is_believed_loosely_and_keeps_the_known_sizes():
     sizes[PALM:] = (0.05, -0.04, 0.02)
     belief = any_posture(type(own)(sizes, own.information))
     np.testing.assert_array_equal(belief.posture[PALM:], sizes[PALM:])
-    variances = [np.linalg.inv(b.information)[PALM:, PALM:] for b in (belief, own)]
-    np.testing.assert_allclose(*variances, rtol=1e-6)
+    made, given = (np.linalg.inv(b.information)[PALM:, PALM:] for b in (belief, own))
+    np.testing.assert_allclose(made, given, rtol=1e-6)
     for typical in TYPICAL:
         off = (typical - belief.posture)[:PALM]
         assert off @ belief.information[:PALM, :PALM] @ off < 2.5 * PALM

@@ -2,13 +2,14 @@
 
 from local_site.tracking.learned.room_pictures import COMES_IN, WANTED, RoomPictures
 from tests.local_site.tracking.landmarks.scripted_hands import instant
+from tests.present import present
 
 
 def test_the_newest_pictures_are_held_back():
     room = RoomPictures()
     given = [room.take(instant(k)) for k in range(COMES_IN + 5)]
     assert given[:COMES_IN] == [None] * COMES_IN
-    assert [views.t_ns for views in given[COMES_IN:]] == [instant(k).t_ns for k in range(5)]
+    assert [present(views).t_ns for views in given[COMES_IN:]] == [instant(k).t_ns for k in range(5)]
 
 
 def test_no_picture_is_given_in_which_an_arm_may_have_come_in():

@@ -1,5 +1,7 @@
 """The tracker in simulated offices: tones of skin, postures, disturbances, more and finer cameras, lenses, phases."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from msgspec.structs import replace
@@ -82,18 +84,16 @@ def test_more_cameras_track(make_tracker, cameras):
     assert len(seen.estimates[-1].overlays) == len(cameras)
 
 
+def with_one_black(covered, images):
+    return [0 * image if n == covered else image for n, image in enumerate(images)]
+
+
 def test_one_of_three_cameras_may_be_covered(make_tracker):
     sequence = filmed(office(room()), PAIRS, (*PAIR, ABOVE))
     tracker, estimates = make_tracker(rig_of(sequence.projections)), []
     for k in range(PAIRS):
         covered = (k // 5) % 3 if k > KNOWN else None
-        estimates.append(
-            tracker.track(
-                sequence.views(
-                    k, lambda p, covered=covered: [0 * image if n == covered else image for n, image in enumerate(p)]
-                )
-            )
-        )
+        estimates.append(tracker.track(sequence.views(k, partial(with_one_black, covered))))
     check(Tracked(estimates, sequence), USUAL_MM)
 
 

@@ -12,6 +12,7 @@ from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.simulation.cameras import PinholeCamera, stereo_pair
 from local_site.simulation.config import StereoConfig
 from local_site.tracking.markers.marker_tracker import MarkerTracker
+from local_site.tracking.markers.spots import Spots, find_spots
 from local_site.tracking.tracker import ArmEstimate, View, Views
 from tests.local_site.tracking.rendered_arm import rows_of
 
@@ -21,6 +22,13 @@ RADIUS_M = 0.011
 # Wrist, index, thumb of a hand in its U shape.
 HAND = np.array([[0.0, 0.0, 0.0], [-0.155, -0.02, 0.085], [-0.125, -0.03, 0.0]])
 START = np.array([0.55, 0.45, 0.55])
+
+
+def spots_in(picture: Image, threshold: float = 40.0) -> Spots:
+    """The spots of a picture that has some."""
+    found = find_spots(picture, threshold)
+    assert isinstance(found, Spots), found
+    return found
 
 
 def four_cameras() -> tuple[PinholeCamera, ...]:

@@ -8,13 +8,14 @@ from local_site.simulation.cameras import calibrate_simulated, exact_rig
 from local_site.simulation.config import SimulationConfig
 from local_site.tracking.markers.correspondence import Candidates
 from local_site.tracking.markers.measuring import SAMPLING_SIGMA_PX, MarkerMeter
-from local_site.tracking.markers.spots import Spots, find_spots
+from local_site.tracking.markers.spots import Spots
 from tests.local_site.tracking.markers.marker_scene import (
     START,
     Scene,
     draw,
     hand_at,
     rig_of,
+    spots_in,
 )
 
 RADIUS_M = 0.011
@@ -51,7 +52,7 @@ def covered(share_px, seed):
     pictures = [draw(c, points[1:2], levels=(220.0,), noise=1.5, seed=seed) for c in scene.cameras]
     u, v = camera.pixels(camera.to_camera(points[1])).astype(int)
     pictures[0][v - 12 : v + 12, u + share_px : u + 14] = 10
-    found = [find_spots(picture, 40) for picture in pictures]
+    found = [spots_in(picture) for picture in pictures]
     sighting = MarkerMeter(rig_of(scene.cameras)).measure(candidate(points[1]), 0, found, 2 * RADIUS_M)
     error = np.linalg.norm(sighting.fix.point - points[1])
     return 1e3 * error, 1e3 * np.sqrt(np.trace(sighting.fix.covariance)), sighting.is_whole
@@ -73,6 +74,6 @@ def test_a_whole_marker_is_whole_and_sure():
 def test_the_diameter_is_measured_in_metres():
     scene = Scene()
     point = hand_at()[0]
-    found = [find_spots(draw(camera, point[None], levels=(220.0,)), 40) for camera in scene.cameras]
+    found = [spots_in(draw(camera, point[None], levels=(220.0,))) for camera in scene.cameras]
     sighting = MarkerMeter(rig_of(scene.cameras)).measure(candidate(point), 0, found, None)
     assert sighting.size == pytest.approx(2 * RADIUS_M, rel=0.04)

@@ -22,6 +22,7 @@ from tests.local_site.tracking.markers.marker_scene import (
     rig_of,
     without,
 )
+from tests.present import present
 
 DEGRADED, INITIALISING, LOST, TRACKED = (
     TrackingStatus.DEGRADED,
@@ -255,6 +256,6 @@ def test_cameras_out_of_phase_are_brought_to_one_instant():
         left = Frame(draw(scene.cameras[0], points), t_ns, k)
         early = Frame(draw(scene.cameras[1], before), t_ns - PERIOD_NS // 2, k)
         late = Frame(draw(scene.cameras[1], after), t_ns + PERIOD_NS // 2, k + 1)
-        estimate = scene.tracker.track(Views(t_ns, (View(left), View(late, early, 0.5))))
+        estimate = present(scene.tracker).track(Views(t_ns, (View(left), View(late, early, 0.5))))
         errors.append(error_mm(estimate, points))
     assert np.max(errors) < 1.0

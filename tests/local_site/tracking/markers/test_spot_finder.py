@@ -40,6 +40,7 @@ def test_views_are_interpolated_at_their_weight():
     start, end = hand_at(), hand_at((0.02, 0.0, 0.01))
     view = View(Frame(draw(camera, end), PERIOD_NS, 1), Frame(draw(camera, start), 0, 0), weight=0.7)
     found = SpotFinder(rig_of([camera, camera]).cameras[0], 40).spots(view)
+    assert isinstance(found, Spots)
     expected = 0.3 * camera.pixels(camera.to_camera(start)) + 0.7 * camera.pixels(camera.to_camera(end))
     for pixel in expected:
         assert np.linalg.norm(found.pixels - pixel, axis=1).min() < 0.1
@@ -51,6 +52,7 @@ def test_spots_behind_a_bending_lens_are_straightened():
     calibration = rig_of([camera, camera]).cameras[0]
     bent = calibration.__class__(calibration.name, calibration.projection, 0.3, camera.physical.lens)
     found = SpotFinder(bent, 40).spots(View(Frame(draw(camera, points), 0, 0)))
+    assert isinstance(found, Spots)
     for pixel in project(camera.projection, points):
         assert np.linalg.norm(found.pixels - pixel, axis=1).min() < 0.1
     assert np.linalg.norm(found.in_picture - found.pixels, axis=1).max() > 0.5

@@ -49,7 +49,7 @@ def scene():
     grey, along_x, along_y = 40 + 0.3 * x + 0.2 * y + 0.002 * x * y, 0.3 + 0.002 * y, 0.2 + 0.002 * x
     level = (*(a.astype(np.float32) for a in (grey, along_x, along_y)), FOCAL, PRINCIPAL)
     turns = [rotation_from_vector(np.array(v)) for v in ((0.3, -0.2, 0.1), (-0.1, 0.2, 0.4))]
-    pose = ArmPose(np.array([-0.02, -0.03, 1.3]), *turns, 0.1)
+    pose = ArmPose(np.array([-0.02, -0.03, 1.3]), turns[0], turns[1], 0.1)
     points = random.uniform(-0.04, 0.04, (2, 300, 3)) + np.array([0.0, 0.0, 0.06])
     normals = points / np.linalg.norm(points, axis=2, keepdims=True)
     return level, pose, [(p, n, random.uniform(100, 140, 300)) for p, n in zip(points, normals, strict=True)]
@@ -63,7 +63,7 @@ def equations(scene, step_by=None):
         lights = lights[0] + step_by[6:10], lights[1] + step_by[13:17]
     links = [(*link, light) for link, light in zip(pose.links, lights, strict=True)]
     sums = [summed(s, link, level, NO_POSITION_ERROR, 1e9) for s, link in zip(surfaces, links, strict=True)]
-    return combined(*sums, pose.elbow - pose.shoulder)
+    return combined(sums[0], sums[1], pose.elbow - pose.shoulder)
 
 
 @pytest.mark.parametrize("unknown", range(UNKNOWNS))

@@ -23,6 +23,7 @@ from local_site.tracking.silhouette.limbs import (
     limbs_of,
     unit,
 )
+from tests.present import present
 
 FOCAL_PX, DISTANCE_M = 800.0, 1.5
 PX_PER_M = FOCAL_PX / DISTANCE_M
@@ -37,7 +38,7 @@ BLANK = Silhouette(np.zeros((480, 640), np.uint8), 40.0, np.array([[300.0, 200.0
 def view_of(matrix, forearm_from, wrist, upper_from, shoulder, width_px):
     """The features of limbs as wide as that whose middles run between these points (3,)."""
     a, w, b, s = (project(matrix, p) for p in (forearm_from, wrist, upper_from, shoulder))
-    forearm, upper_arm = line_through(a, w), line_through(b, s)
+    forearm, upper_arm = present(line_through(a, w)), present(line_through(b, s))
     across = 0.5 * width_px * np.array([[-1.0], [1.0]])
     return Features(
         forearm=forearm,

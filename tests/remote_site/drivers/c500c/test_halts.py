@@ -151,7 +151,7 @@ def test_one_wrong_bit_in_a_length_halts_nothing(bench, kind, bit):
             data = data[:1] + bytes([data[1] ^ (1 << bit)]) + data[2:]
         EmulatedLine.push(line, data, now_ns)
 
-    changed, line = [], bench.ready().emulation.there
+    changed, line = list[bytes](), bench.ready().emulation.there
     bench.send(ROBOT.start, periods=5)
     line.push = push
     for k in range(20):

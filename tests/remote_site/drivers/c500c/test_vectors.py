@@ -9,12 +9,15 @@ from remote_site.drivers.c500c.protocol import (
     RAD,
     Activation,
     ControllerState,
+    Fault,
+    Flag,
     Kind,
     Parser,
     ProtocolFrame,
     Setpoint,
     _crc,
 )
+from tests.present import present
 from tests.remote_site.drivers.c500c.vector_player import mistakes
 from tests.remote_site.drivers.c500c.vectors import FrameVector, load_frames, load_scenarios
 
@@ -24,17 +27,22 @@ KINDS = {kind.name.lower(): kind for kind in Kind}
 LARGEST = {"host": LARGEST_REQUEST, "controller": LARGEST_ANSWER}
 
 
-def said(frame: FrameVector):
+def said(frame: FrameVector) -> Activation | Setpoint | ControllerState | None:
     """What the vector says, as the driver's own message; None for a frame without a payload."""
     joints = tuple(joint * RAD for joint in frame.joints_urad or ())
     match frame.kind:
         case "activate":
-            return Activation(frame.count, joints, frame.period_ms)
+            return Activation(present(frame.count), joints, present(frame.period_ms))
         case "setpoint":
-            return Setpoint(frame.count, joints, GRIPPER_COMMANDS[frame.gripper], frame.force_percent)
+            gripper = GRIPPER_COMMANDS[present(frame.gripper)]
+            return Setpoint(present(frame.count), joints, gripper, present(frame.force_percent))
         case "state":
-            counts = frame.queued, frame.activation, frame.begun, frame.taken
-            return ControllerState(frame.flags, frame.fault, *counts, frame.opening_10um * 1e-5, joints)
+            flags, fault = Flag(present(frame.flags)), Fault(present(frame.fault))
+            queued, activation, begun, taken = (
+                present(count) for count in (frame.queued, frame.activation, frame.begun, frame.taken)
+            )
+            opening_m = present(frame.opening_10um) * 1e-5
+            return ControllerState(flags, fault, queued, activation, begun, taken, opening_m, joints)
     return None
 
 

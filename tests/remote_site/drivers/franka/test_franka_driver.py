@@ -7,11 +7,12 @@ import pytest
 
 from common.errors import DriverError
 from common.messages.robot import GripperCommand
-from remote_site.drivers.conformance.checks import CHECKS
+from remote_site.drivers.conformance.checks import CHECKS, Check
 from remote_site.drivers.conformance.suite import run_checks
 from remote_site.drivers.franka.robot_limits import FR3
 from remote_site.drivers.franka.robot_port import LinkLostError, MotionAbortedError, RobotRefusedError, UnreachableError
 from remote_site.kinematics.joints import JointMotion
+from tests.present import present
 from tests.remote_site.drivers.franka.driven_arm import DrivenArm
 from tests.remote_site.drivers.franka.fake_robot import (
     SAG,
@@ -29,7 +30,7 @@ REFLEX = "motion aborted by reflex! [cartesian_reflex]"
 
 @pytest.mark.slow
 @pytest.mark.parametrize("check", CHECKS, ids=NAMES)
-def test_it_conforms(check) -> None:
+def test_it_conforms(check: Check) -> None:
     lines: list[str] = []
     assert run_checks(franka_stand(), lines.append, [check]) == [], lines
 
@@ -208,7 +209,7 @@ def test_one_time_of_the_robots_that_lies_ahead_is_made_up_for_by_nothing() -> N
 def test_an_arm_that_is_pushed_is_not_activated() -> None:
     arm = DrivenArm()
     arm.robot.held = arm.robot.held + np.array([0.2, *np.zeros(6)])
-    arm.driver.activate(SETUP.start)
+    arm.driver.activate(present(SETUP.start))
     arm.side.pass_ms(2)
     assert (arm.code(), arm.robot.calls) == ("apart", [])
 

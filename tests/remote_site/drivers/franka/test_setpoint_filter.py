@@ -11,6 +11,7 @@ from remote_site.drivers.franka.played_motion import PlayedMotion
 from remote_site.drivers.franka.robot_limits import FR3
 from remote_site.kinematics.joints import JointMotion
 from remote_site.motion.jerk_limited import JerkLimitedTracker
+from tests.present import present
 from tests.remote_site.drivers.franka.fake_robot import SETUP
 
 BEGIN_NS = 1000 * NS_PER_MS
@@ -25,18 +26,20 @@ class Hand:
         self._late_ms, self._left_out = late_ms, left_out
         self._follower = JerkLimitedTracker(SETUP.limits, SETUP.dt)
         self._waiting: list[JointCommand] = []
-        self._target = SETUP.start
-        self.motion = JointMotion.at_rest(SETUP.start)
+        self._start = self._target = present(SETUP.start)
+        self.motion = JointMotion.at_rest(self._start)
         self._seq = 0
 
     def due(self, ms: int) -> JointCommand | None:
         """The newest setpoint that has come by then."""
         if ms % AIM_MS == 0:
             low, high = SETUP.limits.lower, SETUP.limits.upper
-            self._target = np.clip(SETUP.start + self._random.uniform(-0.5, 0.5, 7), low, high)
+            self._target = np.clip(self._start + self._random.uniform(-0.5, 0.5, 7), low, high)
         if ms % TICK_MS == 0:
             self._follower.reset(self.motion)
-            self.motion = self._follower.track(JointMotion.at_rest(self._target))
+            followed = self._follower.track(JointMotion.at_rest(self._target))
+            assert isinstance(followed, JointMotion)
+            self.motion = followed
             self._seq += 1
             if self._random.random() >= self._left_out:
                 t_ns = BEGIN_NS + round((ms + abs(self._random.normal(0.0, self._late_ms))) * NS_PER_MS)
@@ -49,7 +52,7 @@ class Hand:
 
 def followed(hand: Hand, ms: int) -> tuple[PlayedMotion, Array, float]:
     """What is sent in each millisecond (ms, 7), and how far it is from what was meant, at most, rad."""
-    arm = PlayedMotion(SETUP.start, SETUP.start, SETUP)
+    arm = PlayedMotion(present(SETUP.start), present(SETUP.start), SETUP)
     sent, off = [], 0.0
     for at in range(ms):
         now_ns = BEGIN_NS + at * NS_PER_MS
@@ -75,7 +78,7 @@ def test_setpoints_out_of_time_stay_within_the_robots_limits(late_ms: float, lef
 
 def test_what_comes_in_time_is_followed_without_lag() -> None:
     hand = Hand(0.0, 0.0)
-    arm = PlayedMotion(SETUP.start, SETUP.start, SETUP)
+    arm = PlayedMotion(present(SETUP.start), present(SETUP.start), SETUP)
     lag = 0.0
     for at in range(4000):
         if (command := hand.due(at)) is not None:

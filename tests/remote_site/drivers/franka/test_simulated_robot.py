@@ -106,8 +106,9 @@ def _lead(driver: Driver, clock: Clock, target: np.ndarray) -> int:
     written, paused_ns = clock.now_ns(), 0
     for seq in range(1, 301):
         follower.reset(motion)
-        motion = follower.track(JointMotion.at_rest(target))
-        assert isinstance(motion, JointMotion)
+        followed = follower.track(JointMotion.at_rest(target))
+        assert isinstance(followed, JointMotion)
+        motion = followed
         now = clock.now_ns()
         driver.write(JointCommand(seq, now, motion.q, motion.dq, motion.ddq, GripperCommand.KEEP))
         paused_ns, written = max(paused_ns, now - written), now

@@ -63,7 +63,7 @@ class MisreadArm(ServoArm):
 
     def read(self) -> np.ndarray:
         super().read()
-        return self.q + self.off * SECOND
+        return np.asarray(self.q + self.off * SECOND)
 
 
 class MisreadBrakingArm(BrakingArm):
@@ -73,7 +73,7 @@ class MisreadBrakingArm(BrakingArm):
 
     def read(self) -> np.ndarray:
         super().read()
-        return self.q + self.off * SECOND
+        return np.asarray(self.q + self.off * SECOND)
 
 
 @pytest.mark.parametrize("kind", [HangingArm, HangingBrakingArm, SettlingArm])

@@ -17,6 +17,7 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.safety.stopping import stop_time, stops
 from tests.contracts.driver_stands import SETUP
 from tests.contracts.position_arms import BrakingArm, Gliding, GripperArm, ServoArm, Sparing, Stamped
+from tests.present import present
 from tests.remote_site.drivers.position_arm.driven_arm import START, DrivenArm
 
 OPEN, CLOSED = GripperCommand.OPEN, GripperCommand.CLOSED
@@ -25,12 +26,12 @@ OPEN, CLOSED = GripperCommand.OPEN, GripperCommand.CLOSED
 def test_a_reading_has_the_time_before_it_was_asked_for():
     class Slow(ServoArm):
         def read(self):
-            self.asked_ns = self.clock.now_ns()
-            self.clock.advance_ms(7)
+            self.asked_ns = driven.clock.now_ns()
+            driven.clock.advance_ms(7)
             return super().read()
 
     driven = DrivenArm(Slow)
-    assert driven.turns(200).t_ns == driven.arm.asked_ns
+    assert present(driven.turns(200)).t_ns == driven.arm.asked_ns
 
 
 @pytest.mark.parametrize("rate_hz", [50.0, 70.0])
@@ -50,14 +51,14 @@ def test_what_is_not_new_keeps_its_stamp(kind):
 
 def test_an_arm_that_has_nothing_new_grows_old():
     driven = DrivenArm()
-    t_ns = driven.turns(200).t_ns
+    t_ns = present(driven.turns(200)).t_ns
     driven.arm.read = lambda: None
-    assert driven.turns(300).t_ns == t_ns
+    assert present(driven.turns(300)).t_ns == t_ns
 
 
 def test_a_time_before_the_last_one_is_refused():
     driven = DrivenArm()
-    last = driven.turns(200)
+    last = present(driven.turns(200))
     driven.arm.read = lambda: MeasuredPositions(START, last.t_ns - 5 * NS_PER_MS)
     driven.clock.advance_ms(20)
     with pytest.raises(DriverError, match="5 ms before the last ones"):
@@ -80,7 +81,7 @@ def test_the_arm_may_go_on_writing_to_what_it_has_returned():
     driven = DrivenArm()
     buffer = START.copy()
     driven.arm.read = lambda: buffer
-    reading = driven.turns(200)
+    reading = present(driven.turns(200))
     buffer[:] = 9.0
     assert (reading.q == START).all()
 
@@ -93,7 +94,7 @@ def test_a_failure_is_raised_until_the_arm_is_read_again():
         with pytest.raises(ArmCallError, match=r"ServoArm\.read returned positions of the shape \(5,\), 6 positions"):
             driven.reading()
     driven.arm.read = good
-    assert driven.turns(200).q == pytest.approx(START)
+    assert present(driven.turns(200)).q == pytest.approx(START)
 
 
 @pytest.mark.parametrize("given", ["home", ["home"] * 6, {"a": 1.0}, 3.0, [[0.0] * 6]])
@@ -108,9 +109,9 @@ def test_an_angle_that_is_not_finite_is_handed_on_and_spoils_no_speed_after_it()
     driven = DrivenArm()
     driven.turns(200)
     good, driven.arm.read = driven.arm.read, lambda: np.where(np.arange(6) == 2, math.nan, START)
-    assert np.isnan(driven.turns(20).q[2])
+    assert np.isnan(present(driven.turns(20)).q[2])
     driven.arm.read = good
-    assert not driven.turns(10).moving
+    assert not present(driven.turns(10)).moving
 
 
 def test_nothing_is_written_by_an_activation_nor_before_one():
@@ -153,7 +154,7 @@ def test_an_arm_that_is_no_longer_commanded_is_stopped():
     driven.turns(180)
     assert driven.reading().fault is None
     driven.turns(20)
-    assert driven.reading().fault.code is FaultCode.COMMAND_TIMEOUT
+    assert present(driven.reading().fault).code is FaultCode.COMMAND_TIMEOUT
     assert driven.arm.calls.count("stop") == 1
     with pytest.raises(DriverError, match="activate the arm"):
         driven.command(0.0)
@@ -171,7 +172,7 @@ def test_a_process_that_is_always_late_notices_that_control_has_ceased_after_fou
     for _ in range(5):
         driven.clock.advance_ms(turn_ms)
         fault = driven.driver.read().fault
-    assert fault.code is FaultCode.COMMAND_TIMEOUT
+    assert present(fault).code is FaultCode.COMMAND_TIMEOUT
 
 
 def test_an_arm_that_brakes_by_itself_is_stopped_at_every_call_and_at_once():
@@ -179,7 +180,7 @@ def test_an_arm_that_brakes_by_itself_is_stopped_at_every_call_and_at_once():
     for _ in range(3):
         driven.driver.stop()
     assert driven.arm.calls[-3:] == ["stop"] * 3
-    assert driven.turns(500).fault is STOPPED
+    assert present(driven.turns(500)).fault is STOPPED
 
 
 def test_a_stop_that_fails_is_repeated_until_it_succeeds():
@@ -195,7 +196,7 @@ def test_a_stop_that_fails_is_repeated_until_it_succeeds():
         with pytest.raises(ArmCallError, match=r"BrakingArm\.stop raised"):
             driven.reading()
     driven.arm.stop = good
-    assert not driven.turns(500).moving
+    assert not present(driven.turns(500)).moving
     assert driven.arm.calls.count("stop") == 1
 
 
@@ -360,9 +361,9 @@ def test_an_order_that_a_write_keeps_for_longer_than_a_second_is_never_done(writ
 
 def test_the_opening_is_read_and_none_where_it_cannot_be():
     driven = DrivenArm(GripperArm)
-    assert driven.turns(200).gripper.opening_m == pytest.approx(0.04)
+    assert present(present(driven.turns(200)).gripper).opening_m == pytest.approx(0.04)
     driven.arm.gripper_opening_m = lambda: None
-    assert driven.turns(20).gripper is None
+    assert present(driven.turns(20)).gripper is None
 
 
 @pytest.mark.parametrize(
@@ -384,7 +385,7 @@ def test_attributes_that_no_arm_has_are_refused(attributes, sentence):
 
 def test_a_gliding_arm_reads_as_moving():
     driven = DrivenArm(Gliding).active().at_speed(0.1)
-    assert np.abs(driven.turns(400).dq[0]) > RESTING_RAD_S
+    assert np.abs(present(driven.turns(400)).dq[0]) > RESTING_RAD_S
 
 
 def test_a_driver_claims_no_more_than_an_arm_of_positions_has() -> None:

@@ -3,6 +3,7 @@
 import threading
 import time
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,11 +29,12 @@ class WaitingArm(PositionArm):
     threaded = True
 
     def __init__(self) -> None:
-        self.calls, self.threads, self.at_once, self.most_at_once = [], set(), 0, 0
+        self.calls, self.threads = list[tuple[Any, ...]](), set[int]()
+        self.at_once, self.most_at_once = 0, 0
         self.gates = {name: threading.Event() for name in ("read", "write", "stop", "close")}
         for gate in self.gates.values():
             gate.set()
-        self.raises, self.read_ns = {}, []
+        self.raises, self.read_ns = dict[str, Exception](), list[tuple[int, int]]()
 
     def read(self):
         begun_ns = time.monotonic_ns()

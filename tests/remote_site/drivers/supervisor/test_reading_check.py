@@ -144,7 +144,7 @@ def test_numbers_of_numpy_are_numbers() -> None:
     )
     judged = check_of().judge(reading, NOW_NS)
     assert isinstance(judged, RobotReading)
-    assert (type(judged.t_ns), judged.q.dtype, judged.dq.dtype) == (int, float, float)
+    assert (type(judged.t_ns), judged.q.dtype, judged.dq.dtype) == (int, np.dtype(float), np.dtype(float))
 
 
 @pytest.mark.parametrize("t_ns", [10**400, -(10**400), True, 1.0, None, "x"])

@@ -1,5 +1,7 @@
 """Control and the driver's process on stepped time: whichever stumbles, the arm stays inside its limits."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -135,7 +137,8 @@ class LateRobot(Kept):
 
     def __init__(self, clock):
         super().__init__(clock)
-        self.came_ns, self.late_ms, self.pass_time = [], {}, None
+        self.came_ns, self.late_ms = list[int](), dict[str, float]()
+        self.pass_time: Callable[[int], object] = clock.sleep_until_ns
 
     def read(self):
         self._be_late("read")

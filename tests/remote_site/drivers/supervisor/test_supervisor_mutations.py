@@ -27,6 +27,7 @@ from tests.remote_site.drivers.supervisor import (
     test_writing,
 )
 from tests.remote_site.drivers.supervisor.supervised import Supervised
+from tests.remote_site.drivers.supervisor.transition_table import ROWS
 from tests.remote_site.mutation import Mutation
 from tests.remote_site.spoiled_readings import SPOILED
 
@@ -39,7 +40,7 @@ def rig(test: Callable[..., object], *arguments: object) -> Body:
 
 
 def row(name: str, state: SupervisorState) -> Body:
-    found = next(each for each in test_transitions.ROWS if each.name == name)
+    found = next(each for each in ROWS if each.name == name)
     return lambda: test_transitions.test_every_row_of_the_table_is_what_the_supervisor_does(found, state)
 
 

@@ -19,6 +19,7 @@ from remote_site.video.streaming.adaptation import LEAST_FPS, Adaptation, fair_l
 from remote_site.video.streaming.encoding import Encoded
 from remote_site.video.streaming.sent_pictures import SentPictures
 from remote_site.video.streaming.setting import StreamSetting, fit
+from tests.present import present
 
 MS = 1_000_000
 FULL = StreamSetting(80, 1.0, 30.0)
@@ -47,7 +48,7 @@ def mbit_s(arrivals, seconds):
 
 
 def shares(arrivals):
-    total = Counter()
+    total = Counter[str]()
     for arrival in arrivals:
         total[arrival.camera] += arrival.size
     return total
@@ -314,16 +315,16 @@ def test_sent_pictures_are_counted_as_what_came_and_what_waits():
     sent = SentPictures()
     for seq in range(6):
         sent.send(frame("side", seq, 1000 + seq, capture_ns=seq * 10 * MS), FULL, (10 * seq + 5) * MS)
-    first = sent.come(ViewCame(seq=0, age_ms=45.0, fps=30.0), 50 * MS)
+    first = present(sent.come(ViewCame(seq=0, age_ms=45.0, fps=30.0), 50 * MS))
     assert (first.sent_bytes, first.carried_bytes, first.waiting_bytes) == (0, 0, 1001 + 1002 + 1003 + 1004)
     assert (first.delay_ms, first.round_trip_ms, first.overdue_ms) == (40.0, 45.0, 35.0)
     sent.send(frame("side", 6, 1006, capture_ns=60 * MS), FULL, 65 * MS)
-    news = sent.come(ViewCame(seq=2, age_ms=45.0, fps=30.0), 70 * MS)
+    news = present(sent.come(ViewCame(seq=2, age_ms=45.0, fps=30.0), 70 * MS))
     assert (news.sent_bytes, news.carried_bytes, news.waiting_bytes) == (1006, 1001 + 1002, 1003 + 1004 + 1005 + 1006)
-    none = sent.come(ViewCame(seq=2, age_ms=45.0, fps=30.0), 170 * MS)
+    none = present(sent.come(ViewCame(seq=2, age_ms=45.0, fps=30.0), 170 * MS))
     assert (none.sent_bytes, none.carried_bytes, none.overdue_ms) == (0, 0, 135.0)
     assert sent.come(ViewCame(seq=1, age_ms=45.0, fps=30.0), 170 * MS) is None
-    assert sent.come(ViewCame(seq=4, age_ms=95.0, fps=30.0), 170 * MS).delay_ms == 90.0
+    assert present(sent.come(ViewCame(seq=4, age_ms=95.0, fps=30.0), 170 * MS)).delay_ms == 90.0
 
 
 def test_of_bytes_that_were_dropped_on_the_way_only_the_share_that_came_is_carried():
@@ -331,4 +332,4 @@ def test_of_bytes_that_were_dropped_on_the_way_only_the_share_that_came_is_carri
     for seq in range(21):
         sent.send(frame("side", seq, 1000), FULL, 10 * seq * MS)
     sent.come(ViewCame(seq=0, age_ms=45.0, fps=1.0), 50 * MS)
-    assert sent.come(ViewCame(seq=20, age_ms=45.0, fps=5.0), 300 * MS).carried_bytes == 5000
+    assert present(sent.come(ViewCame(seq=20, age_ms=45.0, fps=5.0), 300 * MS)).carried_bytes == 5000

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 import simplejpeg
 
-from common.cameras.camera import Frame
+from common.cameras.camera import Frame, Image
 from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.pictures import is_dark
 from remote_site.video.streaming.setting import StreamSetting
 from remote_site.video.streaming.stream import CameraStream
+from tests.present import present
 
 MS = 1_000_000
 STEP_NS = 5 * MS
@@ -19,7 +20,7 @@ FULL = StreamSetting(80, 1.0, 30.0)
 RNG = np.random.default_rng(7)
 
 
-def scene(level: float = 120.0, contrast: float = 40.0):
+def scene(level: float = 120.0, contrast: float = 40.0) -> Image:
     return np.clip(RNG.normal(level, contrast, (48, 64, 3)), 0, 255).astype(np.uint8)
 
 
@@ -154,7 +155,7 @@ def test_a_reopened_camera_that_counts_from_zero_is_not_slow():
     stream = CameraStream("side", VideoConfig(), noise_free=False)
     first = [stream.take(Frame(scene(), 33 * k * MS, k), FULL, 33 * k * MS) for k in range(1, 60)]
     later = [stream.take(Frame(scene(), 33 * k * MS, k - 200), FULL, 33 * k * MS) for k in range(200, 260)]
-    assert {m.status for m in first + later} == {CameraStatus.LIVE}
+    assert {present(m).status for m in first + later} == {CameraStatus.LIVE}
 
 
 @pytest.mark.parametrize("image", [black(), covered(), black()[:, :, 0], np.zeros((4, 4), np.uint8)])

@@ -6,24 +6,25 @@ import simplejpeg
 from hypothesis import given
 from hypothesis import strategies as st
 
-from common.cameras.camera import Frame
+from common.cameras.camera import Frame, Image
 from common.messages.codec import encode
 from common.messages.video import CameraStatus
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.pictures import encode_jpeg
 from remote_site.video.streaming.setting import StreamSetting
 from remote_site.video.streaming.stream import CameraStream
+from tests.present import present
 
 MS = 1_000_000
 CONFIG = VideoConfig(frozen_ms=500.0, status_hz=5.0)
 FULL = StreamSetting(80, 1.0, 30.0)
 
 
-def picture(seed: int):
+def picture(seed: int) -> Image:
     return np.random.default_rng(seed).integers(0, 255, (48, 64, 3), dtype=np.uint8)
 
 
-def frame(k: int, image=None, estimated: bool = False) -> Frame:
+def frame(k: int, image: Image | None = None, estimated: bool = False) -> Frame:
     return Frame(picture(k) if image is None else image, 1 + k * 33 * MS, k, estimated)
 
 
@@ -38,11 +39,11 @@ def simulated() -> CameraStream:
 def test_new_pictures_are_live_numbered_and_stamped_with_their_exposure():
     stream = real()
     messages = [stream.take(frame(k, estimated=True), FULL, k * 33 * MS) for k in range(5)]
-    assert [m.seq for m in messages] == [0, 1, 2, 3, 4]
-    assert [m.capture_ns for m in messages] == [frame(k).capture_ns for k in range(5)]
-    assert all(m.status is CameraStatus.LIVE and m.capture_estimated for m in messages)
-    assert (messages[0].width, messages[0].height) == (64, 48)
-    assert simplejpeg.decode_jpeg(messages[0].data).shape == (48, 64, 3)
+    assert [present(m).seq for m in messages] == [0, 1, 2, 3, 4]
+    assert [present(m).capture_ns for m in messages] == [frame(k).capture_ns for k in range(5)]
+    assert all(present(m).status is CameraStatus.LIVE and present(m).capture_estimated for m in messages)
+    assert (present(messages[0]).width, present(messages[0]).height) == (64, 48)
+    assert simplejpeg.decode_jpeg(present(messages[0]).data).shape == (48, 64, 3)
 
 
 def test_the_same_frame_is_published_once():
@@ -61,7 +62,7 @@ def test_no_new_exposure_for_half_a_second_is_frozen():
     stream = real()
     stream.take(frame(1), FULL, 0)
     assert stream.take(frame(1), FULL, 500 * MS) is None
-    told = stream.take(frame(1), FULL, 501 * MS)
+    told = present(stream.take(frame(1), FULL, 501 * MS))
     assert told.status is CameraStatus.FROZEN
     assert told.data == b""
     assert "side" in told.reason
@@ -71,30 +72,30 @@ def test_no_new_exposure_for_half_a_second_is_frozen():
 def test_identical_pictures_of_a_real_camera_are_frozen_though_freshly_stamped():
     stream = real()
     statuses = {k: stream.take(frame(k, picture(0)), FULL, k * 33 * MS) for k in range(30)}
-    assert statuses[15].status is CameraStatus.LIVE
+    assert present(statuses[15]).status is CameraStatus.LIVE
     frozen = [m for m in statuses.values() if m is not None and m.status is CameraStatus.FROZEN]
     assert frozen
     assert all(m.data == b"" and "same picture" in m.reason for m in frozen)
-    assert all(statuses[k] is None or statuses[k].status is CameraStatus.FROZEN for k in range(17, 30))
+    assert all(statuses[k] is None or present(statuses[k]).status is CameraStatus.FROZEN for k in range(17, 30))
 
 
 def test_a_simulated_view_at_rest_is_live():
     stream = simulated()
     messages = [stream.take(frame(k, picture(0)), FULL, k * 33 * MS) for k in range(60)]
-    assert all(m.status is CameraStatus.LIVE for m in messages)
+    assert all(present(m).status is CameraStatus.LIVE for m in messages)
 
 
 def test_a_camera_that_comes_back_is_live_at_once():
     stream = real()
     stream.take(frame(0), FULL, 0)
-    assert stream.take(frame(0), FULL, 800 * MS).status is CameraStatus.FROZEN
-    assert stream.take(frame(40), FULL, 850 * MS).status is CameraStatus.LIVE
+    assert present(stream.take(frame(0), FULL, 800 * MS)).status is CameraStatus.FROZEN
+    assert present(stream.take(frame(40), FULL, 850 * MS)).status is CameraStatus.LIVE
 
 
 def test_a_camera_that_never_gave_a_picture_is_missing():
     stream = real()
     assert stream.take(None, FULL, 0) is None
-    told = stream.take(None, FULL, 600 * MS)
+    told = present(stream.take(None, FULL, 600 * MS))
     assert told.status is CameraStatus.MISSING
     assert "no picture yet" in told.reason
     assert told.capture_ns == 0
@@ -123,7 +124,7 @@ def test_only_what_is_new_is_ever_live(steps):
 
 
 def test_a_very_long_reason_still_fits_the_wire():
-    message = real().missing("x" * 1000, 0)
+    message = present(real().missing("x" * 1000, 0))
     assert encode(message)
 
 

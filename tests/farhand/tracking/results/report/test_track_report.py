@@ -14,7 +14,8 @@ from common.errors import CameraError
 from common.messages.hand import TrackingStatus
 from farhand.tracking.results.report.history import TrackHistory
 from farhand.tracking.results.report.track_report import PAGE, track_report
-from tests.farhand.tracking.results.tracked import FPS, TrackedPair, pair, write_then_fail
+from farhand.tracking.results.tracked_pair import TrackedPair
+from tests.farhand.tracking.results.tracked import FPS, pair, write_then_fail
 
 ORIGIN = [("camera left", "films/left <1>.avi"), ("tracker", "learned")]
 RED = (0x30, 0x30, 0xC2)  # blue, green, red of a loss

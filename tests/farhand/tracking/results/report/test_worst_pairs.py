@@ -5,7 +5,8 @@ import numpy as np
 
 from common.messages.hand import TrackingStatus
 from farhand.tracking.results.report.worst_pairs import APART_S, REASONS, WORST, ShownPair, WorstPairs
-from tests.farhand.tracking.results.tracked import FPS, TrackedPair, pair
+from farhand.tracking.results.tracked_pair import TrackedPair
+from tests.farhand.tracking.results.tracked import FPS, pair
 
 APART = round(APART_S * FPS)
 

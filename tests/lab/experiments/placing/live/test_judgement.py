@@ -4,7 +4,6 @@ import msgspec
 import pytest
 
 from lab.experiments.placing.judge import Judge
-from lab.experiments.placing.live import judgement
 from lab.experiments.placing.live.judgement import TrialJudgement, judged
 from remote_site.config import RemoteConfig
 from remote_site.simulation.memory import CellMemory
@@ -45,7 +44,7 @@ def test_a_cell_that_fails_is_not_judged(cell, tmp_path):
 
 def test_it_watches_once_in_each_control_period_as_in_lockstep(cell, tmp_path, monkeypatch):
     watched = []
-    monkeypatch.setattr(judgement.Judge, "watch", lambda _judge: watched.append(1))
+    monkeypatch.setattr(Judge, "watch", lambda _judge: watched.append(1))
     with judged(CONFIG, tmp_path / "end", cell) as stepped:
         step(cell, stepped)
     assert len(watched) == STEPS * cell.dt * CONFIG.control.rate_hz

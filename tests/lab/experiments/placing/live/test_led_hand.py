@@ -15,6 +15,7 @@ from lab.stage.waiting import until
 from lab.visual_operator.at_console.led_pose import LedPose
 from local_site.simulation.config import MotionConfig, PictureConfig, SimulationConfig, StereoConfig
 from local_site.tracking.choice import TrackingConfig
+from tests.present import present
 
 SMALL = StereoConfig(width_px=160, height_px=120, focal_px=200.0)
 
@@ -67,8 +68,10 @@ def test_each_camera_films_where_the_hand_is_led(tmp_path):
     config = SimulationConfig(stereo=SMALL, fps=50.0, motion=motion, picture=PictureConfig(noise_sigma=0.0))
     cameras = film_led(str(tmp_path / "hand"), config, TrackingConfig()).cameras
     try:
-        before = [camera.read().image for camera in cameras]
-        assert [np.array_equal(camera.read().image, seen) for camera, seen in zip(cameras, before, strict=True)]
+        before = [present(camera.read()).image for camera in cameras]
+        assert [
+            np.array_equal(present(camera.read()).image, seen) for camera, seen in zip(cameras, before, strict=True)
+        ]
         sockets = [str(path) for path in tmp_path.glob("hand.*")]
         assert len(sockets) == 2
         for name in sockets:
@@ -76,7 +79,7 @@ def test_each_camera_films_where_the_hand_is_led(tmp_path):
 
         def have_all_changed() -> bool:
             pairs = zip(cameras, before, strict=True)
-            return not any(np.array_equal(camera.read().image, seen) for camera, seen in pairs)
+            return not any(np.array_equal(present(camera.read()).image, seen) for camera, seen in pairs)
 
         until(have_all_changed, "other pictures")
     finally:

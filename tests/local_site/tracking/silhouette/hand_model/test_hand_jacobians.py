@@ -1,5 +1,7 @@
 """The compiled derivatives of the hand model agree with finite differences of what they are derivatives of."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -46,7 +48,7 @@ def differences(function, pose):
 def test_spheres_move_as_said(turn):
     pose = pose_of(turn)
     spheres = hand_spheres(pose, PERSON)
-    near = {"rtol": 2e-3, "atol": 2e-5}
+    near: dict[str, Any] = {"rtol": 2e-3, "atol": 2e-5}
     np.testing.assert_allclose(
         spheres.centre_jacobian, differences(lambda p: hand_spheres(p, PERSON).centres, pose), **near
     )
