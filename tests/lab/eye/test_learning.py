@@ -13,6 +13,8 @@ from lab.eye.arms.poses import PoseStore
 torch = pytest.importorskip("torch", reason="the eye's training needs torch: make eye")
 onnxruntime = pytest.importorskip("onnxruntime", reason="the eye's training needs onnxruntime: make eye")
 
+from torch import Tensor
+
 from lab.eye.export import export_network, quantise
 from lab.eye.judging import judge
 from lab.eye.judging_finder import judge_finder
@@ -37,11 +39,11 @@ def sample(source: SampleSource) -> Sample:
     return source.batch(8)
 
 
-class _Answering:
-    """Answers what it was given, as a network would."""
+class _Answering(EyeNetwork):
+    """Answers what is true, its points off by a share of the crop."""
 
     def __init__(self, sample: Sample, off: float) -> None:
-        self.grid = EyeNetwork(4).grid
+        super().__init__(4)
         parts = torch.logit(sample.parts.clamp(0.001, 0.999))
         points = torch.zeros(8, 22, 8)
         points[..., :2] = sample.points[..., :2] + off
@@ -51,7 +53,7 @@ class _Answering:
         whole = torch.stack([torch.where(sample.bare, 6.0, -6.0), torch.where(sample.right, 6.0, -6.0)], dim=1)
         self.answer = parts, points, whole, -0.5 * square * 48.0**2
 
-    def __call__(self, _picture: "torch.Tensor") -> object:
+    def forward(self, _picture: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
         return self.answer
 
 
@@ -73,13 +75,23 @@ def test_a_covariance_costs_least_where_it_is_true() -> None:
 
 def test_a_finder_that_is_right_costs_less(few_poses: PoseStore, few_tiles: Tiles) -> None:
     sample = FinderSource(few_poses, few_tiles, CPU, seed=2).batch(16)
-    right = finder_losses(lambda _: _finder_answer(sample, 0.0), sample)
-    wrong = finder_losses(lambda _: _finder_answer(sample, 5.0), sample)
+    right, wrong = (finder_losses(_AnsweringFinder(sample, off), sample) for off in (0.0, 5.0))
     assert right["heat"] < wrong["heat"]
     assert right["lies"] < wrong["lies"]
 
 
-def _finder_answer(sample: FinderSample, off: float) -> "torch.Tensor":
+class _AnsweringFinder(FinderNetwork):
+    """Answers what is true, with hands that are off by some cells."""
+
+    def __init__(self, sample: FinderSample, off: float) -> None:
+        super().__init__(4)
+        self.answer = _finder_answer(sample, off)
+
+    def forward(self, _picture: Tensor) -> Tensor:
+        return self.answer
+
+
+def _finder_answer(sample: FinderSample, off: float) -> Tensor:
     answer = torch.zeros(len(sample.middle), 7, 36, 48)
     answer[:, :2] = -6.0
     for b, k in sample.found.nonzero().tolist():

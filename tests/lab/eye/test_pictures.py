@@ -10,6 +10,8 @@ from lab.eye.arms.poses import PoseStore
 
 torch = pytest.importorskip("torch", reason="the eye's training needs torch: make eye")
 
+from torch import Generator, Tensor
+
 from lab.eye.arms.rendering import SkinRaster, SkinRenderer
 from lab.eye.arms.surface import skin_attributes
 from lab.eye.arms.views import random_views
@@ -21,12 +23,13 @@ from lab.eye.pictures.samples import SampleSource
 from lab.eye.pictures.sensor import blurred, compressed, filmed, moved
 from lab.films.arm.arm_mesh import load_arm_mesh
 from local_site.kernels.rasterising import rasterise
+from tests.present import present
 
 CPU = torch.device("cpu")
 Tiles = NDArray[np.uint8]
 
 
-def _generator(seed: int = 1) -> torch.Generator:
+def _generator(seed: int = 1) -> Generator:
     return torch.Generator().manual_seed(seed)
 
 
@@ -59,7 +62,7 @@ def test_skin_is_where_the_films_rasteriser_sees_it(few_poses: PoseStore) -> Non
         assert np.median(np.abs(ours.depth[k].numpy()[both] - 1.0 / theirs[both])) < 0.004
 
 
-def _along_seen(renderer: SkinRenderer, raster: SkinRaster) -> "torch.Tensor":
+def _along_seen(renderer: SkinRenderer, raster: SkinRaster) -> Tensor:
     along = torch.from_numpy(skin_attributes().along).float()[None, :, None].expand(2, -1, -1)
     return renderer.pixels(raster, along)[..., 0]
 
@@ -121,7 +124,7 @@ def test_compression_is_that_of_jpeg() -> None:
     noise = np.random.default_rng(1).normal(0, 12, (64, 64, 3))
     picture = np.clip(np.stack([3 * x, 2 * y + x, 255 - 3 * y], 2) + noise, 0, 255).astype(np.uint8)
     flags = [cv2.IMWRITE_JPEG_QUALITY, 50, cv2.IMWRITE_JPEG_SAMPLING_FACTOR, cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420]
-    theirs = cv2.imdecode(cv2.imencode(".jpg", picture[:, :, ::-1], flags)[1], cv2.IMREAD_COLOR)[:, :, ::-1]
+    theirs = present(cv2.imdecode(cv2.imencode(".jpg", picture[:, :, ::-1], flags)[1], cv2.IMREAD_COLOR))[:, :, ::-1]
     tensor = torch.from_numpy(picture).float().permute(2, 0, 1)[None] / 255.0
     ours = 255.0 * compressed(tensor, torch.tensor([50.0]))[0].permute(1, 2, 0).numpy()
     lost = np.abs(theirs.astype(float) - picture).mean()
