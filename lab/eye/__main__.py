@@ -19,6 +19,7 @@ from lab.eye.pictures.samples import SampleSource
 from lab.eye.training import Training
 
 FOLDER = Path("build/eye")
+WEIGHTS = Path(__file__).parent / "weights"
 WIDTHS, FINDER_WIDTH = {"arm": 16, "hand": 20}, 12
 BODIES, HELD_OUT_BODIES = 2000, 60
 LEARNING_SEED, JUDGING_SEED = 1, 1_000_001
@@ -32,6 +33,9 @@ def main() -> None:
     parser.add_argument("command", choices=["draw", "train", "judge"])
     parser.add_argument("kind", choices=["arm", "hand", "finder"], nargs="?", default="arm")
     parser.add_argument("--hours", type=float, default=3.0, help="how long to train, what was trained before included")
+    parser.add_argument(
+        "--go-on", action="store_true", help="begin with the weights in lab/eye, not from nothing"
+    )
     parser.add_argument("--folder", type=Path, default=FOLDER)
     parser.add_argument("--bodies", type=int, default=BODIES, help="how many bodies are drawn, each in 100 postures")
     parser.add_argument("--batch", type=int, default=0, help="pictures at a time; 128 on an accelerator, else 24")
@@ -52,6 +56,8 @@ def _train_eye(arguments: argparse.Namespace, poses: PoseStore, device: torch.de
     kind, folder = arguments.kind, arguments.folder
     source = SampleSource(poses, _tiles(LEARNING_SEED), kind, device, LEARNING_SEED)
     training = Training(EyeNetwork(WIDTHS[kind]), source.batch, eye_losses, folder / f"{kind}.pt", device)
+    if arguments.go_on or arguments.command == "judge":
+        training.begin_with(WEIGHTS / f"{kind}.pt")
     if arguments.command == "train":
         training.run(3600.0 * arguments.hours, arguments.batch)
     held_out = _poses(folder, HELD_OUT_BODIES, JUDGING_SEED)
@@ -63,6 +69,8 @@ def _train_finder(arguments: argparse.Namespace, poses: PoseStore, device: torch
     folder = arguments.folder
     source = FinderSource(poses, _tiles(LEARNING_SEED), device, LEARNING_SEED)
     training = Training(FinderNetwork(FINDER_WIDTH), source.batch, finder_losses, folder / "finder.pt", device)
+    if arguments.go_on or arguments.command == "judge":
+        training.begin_with(WEIGHTS / "finder.pt")
     if arguments.command == "train":
         training.run(3600.0 * arguments.hours, arguments.batch)
     held_out = _poses(folder, HELD_OUT_BODIES, JUDGING_SEED)

@@ -54,8 +54,6 @@ class Training(Generic[Network, Batch]):
         checkpoint.parent.mkdir(parents=True, exist_ok=True)
         if self._checkpoint.exists():
             self._resume()
-        elif self._weights.exists():
-            self._begin_with_weights()
 
     def run(self, seconds: float, batch: int) -> None:
         """Train until the time is over, what was trained before included; a checkpoint is kept every minute."""
@@ -73,6 +71,14 @@ class Training(Generic[Network, Batch]):
                 self.save()
                 saved = progress.seconds
         self.save()
+
+    def begin_with(self, weights: Path) -> None:
+        """Begin with a network that was trained before, and learn more slowly; a checkpoint that was found stays."""
+        self._rate = TRAINED_RATE
+        if self.progress.steps == 0:
+            content: dict[str, Any] = torch.load(weights, map_location=self._device, weights_only=True)
+            self.network.load_state_dict(content["averaged"])
+            self.averaged.load_state_dict(content["averaged"])
 
     def save(self) -> None:
         """Keep all that is needed to go on."""
@@ -92,14 +98,8 @@ class Training(Generic[Network, Batch]):
         self._optimiser.load_state_dict(content["optimiser"])
         self.progress = Progress(**content["progress"])
 
-    def _begin_with_weights(self) -> None:
-        """Go on from a network that was trained elsewhere."""
-        content: dict[str, Any] = torch.load(self._weights, map_location=self._device, weights_only=True)
-        self.network.load_state_dict(content["averaged"])
-        self.averaged.load_state_dict(content["averaged"])
-        self._rate = TRAINED_RATE
-
     def step(self, sample: Batch, done: float) -> dict[str, Tensor]:
+        """Learn from one batch, when this share of the time is over; give the losses by name."""
         for group in self._optimiser.param_groups:
             group["lr"] = self._rate * min(done / WARM_UP + 0.01, 0.5 + 0.5 * math.cos(math.pi * min(done, 1.0)))
         self.network.train()

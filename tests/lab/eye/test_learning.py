@@ -128,6 +128,7 @@ def test_a_training_goes_on_where_it_was(sample: Sample, tmp_path: Path) -> None
         torch.testing.assert_close(one, other)
     path.unlink()
     from_weights = Training(EyeNetwork(4), lambda _: sample, eye_losses, path, CPU)
+    from_weights.begin_with(path.with_suffix(".weights.pt"))
     assert from_weights.progress.images == 0
     for one, other in zip(first.averaged.parameters(), from_weights.network.parameters(), strict=True):
         torch.testing.assert_close(one, other)
