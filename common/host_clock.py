@@ -21,12 +21,14 @@ class MonotonicClock:
 
 
 def host_time() -> HostTime:
-    """This host's clocks at one instant: of a few readings a quick one, since a process may be paused within any."""
+    """Read this host's clocks at one instant: of a few readings a quick one, since a process may be paused in any."""
     readings = []
     for _ in range(READINGS):
         before_ns = time.monotonic_ns()
         raw_ns, boot_ns = time.clock_gettime_ns(time.CLOCK_MONOTONIC_RAW), time.clock_gettime_ns(time.CLOCK_BOOTTIME)
         after_ns = time.monotonic_ns()
+        # Steady time is raw + (boot - monotonic): the raw clock's rate, and the time in suspends. It is ahead of the
+        # monotonic clock by raw + boot - 2 monotonic; twice the middle of this reading is before + after.
         readings.append((after_ns - before_ns, HostTime(after_ns, raw_ns + boot_ns - before_ns - after_ns)))
         if after_ns - before_ns < QUICK_NS:
             break

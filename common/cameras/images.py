@@ -14,7 +14,7 @@ IMAGE_SUFFIXES = frozenset({".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".tif", ".t
 
 
 class ImageFolder:
-    """The images of a folder sorted by name; image k is stamped k / fps from the start."""
+    """The images of a folder sorted by name; image k is stamped k / fps seconds from the start."""
 
     def __init__(self, folder: Path, name: str, fps: float) -> None:
         self.name = name
@@ -26,7 +26,7 @@ class ImageFolder:
         self._seq = 0
 
     def read(self) -> Frame | None:
-        """The next image, None after the last; CameraError names a file that is not an image."""
+        """Read the next image, None after the last; CameraError names a file that is not an image."""
         if self._seq >= len(self._paths):
             return None
         path = self._paths[self._seq]
@@ -38,15 +38,16 @@ class ImageFolder:
         return frame
 
     def close(self) -> None:
-        """Nothing is held open between images."""
+        """Do nothing: no file is held open between images."""
 
 
 def write_image(folder: Path, name: str, image: Image) -> None:
     """Write NAME.png into a folder, which is created if missing; CameraError if it cannot be written."""
+    path = folder / f"{file_name(name)}.png"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         # Not cv2.imwrite, which leaves a truncated picture on a full disk without an error.
-        (folder / f"{file_name(name)}.png").write_bytes(cv2.imencode(".png", image)[1].tobytes())
+        path.write_bytes(cv2.imencode(".png", image)[1].tobytes())
     except OSError as error:
         why = error.strerror or error
-        raise CameraError(f"cannot write {folder / name}.png: {why}; choose a folder that can be written") from error
+        raise CameraError(f"cannot write {path}: {why}; choose a folder that can be written") from error

@@ -29,14 +29,14 @@ class CameraMode:
 
 
 def device_of(source: str) -> str | None:
-    """The device file of a source; None for a stream."""
+    """Return the device file of a source, a number or a path; None for a stream."""
     if source.isdecimal():
         return f"/dev/video{source}"
     return source if source.startswith("/dev/") else None
 
 
 def list_modes(device: str) -> tuple[CameraMode, ...]:
-    """All modes of a device file; none where v4l2-ctl is not installed, or does not know it."""
+    """List all modes of a device file; none where v4l2-ctl is not installed, or does not know the device."""
     program = shutil.which(PROGRAM)
     if program is None:
         return ()
@@ -49,7 +49,7 @@ def list_modes(device: str) -> tuple[CameraMode, ...]:
 
 
 def parse_modes(listing: str) -> tuple[CameraMode, ...]:
-    """The modes with discrete sizes of `v4l2-ctl --list-formats-ext`, in its order."""
+    """Read the modes with discrete sizes from the output of `v4l2-ctl --list-formats-ext`, in its order."""
     modes: list[CameraMode] = []
     pixel_format = ""
     for line in listing.splitlines():

@@ -18,11 +18,11 @@ ASKING = ("egress", "query"), ("ingress", "reply"), ("ingress", "declare_queryab
 
 
 class Serves(StrEnum):
-    """Whom a session has at the other ends of its links."""
+    """Who is at the other ends of a session's links."""
 
-    SITES = "sites"  # who takes part: no viewer
+    SITES = "sites"  # sites and router, no viewer
     VIEWERS = "viewers"  # viewers alone
-    OWN_SITE = "own_site"  # the site, or router, that it watches on viewers' behalf, with that one's certificate
+    OWN_SITE = "own_site"  # the site or router that it watches for viewers; both have the same certificate
     LANE = "lane"  # the remote site alone (`lanes.py`): a router would send copies on by one connection
 
 
@@ -98,7 +98,7 @@ def grants(own: Role, neighbour: Role, cell: str, operators: Sequence[str]) -> I
 
 
 def _encounters(own: Identity, operators: Sequence[str], *, routed: bool, serves: Serves) -> Iterator[Encounter]:
-    """Who may be at the other end of a link, and in which role.
+    """Yield who may be at the other end of a link, and in which role.
 
     Another session with a router's certificate is the process that serves its viewers: it may do no more than they.
     """
@@ -115,7 +115,10 @@ def _encounters(own: Identity, operators: Sequence[str], *, routed: bool, serves
 
 
 def _neighbours(own: Identity, operators: Sequence[str], *, routed: bool) -> Iterator[Identity]:
-    """Who takes part at the other end of a link: only others know by its endpoint whether they have a router there."""
+    """Yield the sites and routers that may be at the other end of a link.
+
+    Only a remote site is told whether its link leads to a router.
+    """
     for role in Role:
         if role is Role.VIEWER or (own.role is Role.REMOTE and routed != (role is Role.ROUTER)):
             continue
@@ -138,7 +141,7 @@ def _is(role: Role, allowed: frozenset[Role]) -> bool:
 
 
 def _rules(name: str, granted: set[Grant]) -> list[Json]:
-    """A rule for each flow and kind of message."""
+    """Make a rule for each flow and kind of message."""
     kinds = sorted({(grant.flow, grant.message) for grant in granted})
     return [
         {
@@ -153,7 +156,7 @@ def _rules(name: str, granted: set[Grant]) -> list[Json]:
 
 
 def payload_caps() -> list[Json]:
-    """Messages larger than their channel allows are dropped on arrival, in all cells."""
+    """Drop messages larger than their channel allows on arrival, in all cells."""
     caps: list[tuple[tuple[str, ...], str, int]] = [
         (("put",), channel.key_for(ANY), channel.max_bytes) for channel in CHANNELS
     ]
@@ -173,9 +176,9 @@ def payload_caps() -> list[Json]:
 
 
 def rate_caps(operators: Sequence[str]) -> list[Json]:
-    """Questions that a neighbour asks too fast are dropped on arrival; a legitimate client asks again.
+    """Drop questions that a neighbour asks too fast on arrival; a legitimate client asks again.
 
-    Of these operators each has a cap of their own: a router is one neighbour for all of them.
+    Each of these operators has a cap of their own: a router is one neighbour for all of them.
 
     Samples are capped where they are taken instead (`Latest`): of a burst after a delay Zenoh would pass the first and
     drop the newest, and the arm would wait for the next.
@@ -189,5 +192,5 @@ def rate_caps(operators: Sequence[str]) -> list[Json]:
 
 
 def no_waiting() -> list[Json]:
-    """Questions and answers that a link cannot take are dropped; else who asks could choose that the answerer waits."""
+    """Drop questions and answers that a link cannot take; else whoever asks could make the answerer wait."""
     return [{"id": "questions", "messages": ["query"], "overwrite": {"congestion_control": "drop"}}]

@@ -43,7 +43,7 @@ class Credentials:
 
 
 def load_credentials(tls: TlsConfig, table: str = TABLE) -> Credentials:
-    """The credentials, checked by a TLS handshake with themselves; TransportError names the invalid file and why.
+    """Load the credentials, checked by a TLS handshake with themselves; TransportError names the invalid file and why.
 
     `table` is the configuration's that names the files.
     """
@@ -62,12 +62,12 @@ def load_credentials(tls: TlsConfig, table: str = TABLE) -> Credentials:
     named = common_name(certificate)
     identity = read_common_name(named)
     if identity is None:
-        raise TransportError(f"{table}.certificate: {tls.certificate} names {named!r}, which {_nobody(named)}")
+        raise TransportError(f"{table}.certificate: {tls.certificate} names {named!r}, which {_why_no_identity(named)}")
     return Credentials(tls, identity)
 
 
-def _nobody(named: str) -> str:
-    """Why a common name is no identity, as the end of a sentence."""
+def _why_no_identity(named: str) -> str:
+    """Say why a common name is no identity, as the end of a sentence."""
     role, _, cell = named.partition(".")
     if named == Role.ROUTER:
         return (
@@ -83,7 +83,7 @@ def _nobody(named: str) -> str:
 
 
 def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Identity, table: str = TABLE) -> None:
-    """ConfigError when an endpoint is not allowed, or the certificate is invalid or not that of one of `bearers`."""
+    """Raise ConfigError when an endpoint is not allowed, or the certificate is invalid or of none of `bearers`."""
     try:
         for endpoint in endpoints:
             check_endpoint(endpoint, security)
@@ -98,7 +98,7 @@ def check_links(endpoints: Sequence[str], security: LinkSecurity, *bearers: Iden
 
 
 def check_viewers(viewers: ViewersConfig, site: TlsConfig, bearer: Identity, table: str) -> None:
-    """ConfigError when what viewers connect to is not allowed, or the site's other endpoints trust their authority.
+    """Raise ConfigError when the viewers' endpoint is not allowed, or the site's others trust the viewers' authority.
 
     `table` is the configuration's that names the viewers' certificates.
     """
@@ -136,7 +136,7 @@ class CertificateValidity:
         self._contexts = _own_contexts(tls) if tls.is_given else None
 
     def check(self) -> None:
-        """TransportError once the certificate has expired; takes about 2 ms."""
+        """Raise TransportError once the certificate has expired; takes about 2 ms."""
         if self._contexts is None:
             return
         try:
@@ -146,7 +146,7 @@ class CertificateValidity:
 
 
 def client_context(tls: TlsConfig) -> ssl.SSLContext:
-    """A client's TLS context; it accepts only a server with a certificate of the same authority."""
+    """Make a client's TLS context; it accepts only a server with a certificate of the same authority."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.load_verify_locations(cafile=tls.ca)
     context.load_cert_chain(tls.certificate, tls.key)
@@ -154,7 +154,7 @@ def client_context(tls: TlsConfig) -> ssl.SSLContext:
 
 
 def common_name(certificate: Any) -> str:
-    """The common name of a certificate as `ssl.SSLSocket.getpeercert` returns it, empty if it has none."""
+    """Return the common name of a certificate, as from `ssl.SSLSocket.getpeercert`; empty if it has none."""
     subject = (certificate or {}).get("subject", ())
     return next((value for group in subject for name, value in group if name == "commonName"), "")
 

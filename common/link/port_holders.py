@@ -10,7 +10,7 @@ LISTENING = {"tcp": "0A", "tcp6": "0A", "udp": "07", "udp6": "07"}  # the state 
 
 
 def listener_on(port: int) -> str:
-    """Name and number of the process that listens on a port of this host; empty if none is visible."""
+    """Return name and number of the process that listens on a port of this host; empty if none is visible."""
     sockets = set()
     for name, waiting in LISTENING.items():
         table = PROC / "net" / name
@@ -22,14 +22,14 @@ def listener_on(port: int) -> str:
 
 
 def why_not_bound(error: OSError, port: int, another: str = "another") -> str:
-    """Why a port cannot be listened on, with the program that has it; `another` is how to choose another port."""
+    """Say why a port cannot be listened on, with the program that has it; `another` is how to choose another port."""
     if error.errno != errno.EADDRINUSE:
         return f"{error.strerror or error}; choose {another}"
     return f"{listener_on(port) or 'a program that this user may not see'} has this port; end it, or choose {another}"
 
 
 def holder_of_device(path: Path) -> str:
-    """Name and number of a process that has a device open; empty without one."""
+    """Return name and number of a process that has a device open; empty without one."""
     return _holder_of({str(path.resolve())})
 
 
@@ -41,7 +41,8 @@ def is_ours(holder: str) -> bool:
 def _holder_of(targets: set[str]) -> str:
     for process in PROC.iterdir():
         if process.name.isdecimal() and not targets.isdisjoint(_open_files(process)):
-            return f"{_name_of(process)} (process {process.name})"
+            with suppress(OSError):  # ended meanwhile
+                return f"{_name_of(process)} (process {process.name})"
     return ""
 
 
@@ -56,7 +57,7 @@ def _open_files(process: Path) -> Iterator[str]:
 
 
 def _name_of(process: Path) -> str:
-    """The name that `ps` shows; started as a module, Farhand would be called python there."""
+    """Return the name that `ps` shows, but for Farhand started as a module, which would be called python there."""
     command = (process / "cmdline").read_bytes()
-    name = (process / "comm").read_text().strip()
+    name = (process / "comm").read_text(errors="replace").strip()  # 15 bytes, which may end within a letter
     return "farhand" if name.startswith("python") and b"\0-m\0farhand\0" in command else name

@@ -1,4 +1,4 @@
-"""Asks the recorders of both sites the same: what one of them takes is done."""
+"""Sends one request to the recorders of both sites; it is done if at least one of them accepts it."""
 
 from functools import partial
 
@@ -17,14 +17,14 @@ class RecordClient:
     def ask(
         self, action: RecordAction, task: str = "", outcome: EpisodeOutcome = EpisodeOutcome.UNKNOWN, note: str = ""
     ) -> Reply:
-        """The reply of both; a site that does not answer refuses with the code SILENT."""
+        """Ask both and combine their replies; a site that does not answer counts as a refusal with the code SILENT."""
         make = partial(RecordRequest, action=action, task=task, outcome=outcome, note=note)
         remote = answered(lambda: self._remote.ask(RECORD, make))
         return reply_of_both(remote, answered(lambda: self._local.ask(RECORD_OWN, make)))
 
 
 def reply_of_both(remote: Reply, local: Reply) -> Reply:
-    """Combine both replies: done if one site took it, else refused for the more telling reason."""
+    """Combine both replies: done if a site accepted it, else refused for the more telling reason."""
     done = [reply for reply in (remote, local) if reply.done]
     if len(done) == 1:
         return done[0]

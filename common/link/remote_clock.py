@@ -30,7 +30,7 @@ class RemoteClock:
         self._probe = Aside("probe")
 
     def measure(self) -> RoundTrip | None:
-        """One round trip, None without an answer in time; RefusedError where both sides refuse each other."""
+        """Measure one round trip, None without an answer in time; RefusedError where both sides refuse each other."""
         self._probe.check()
         asked = host_time()
         answer = self._link.ask(CLOCK, self._cell, ClockQuestion())
@@ -51,9 +51,10 @@ class RemoteClock:
         return every > 0 and (rounds % every == 0 or (not self._was_answered and rounds in EARLY_ROUNDS))
 
     def estimate(self, now_ns: int, since_ns: int | None = None) -> ClockEstimate | None:
-        """The remote clock minus ours; None without a round trip in the last four seconds.
+        """Estimate the remote clock minus ours; None without a round trip in the last four seconds.
 
-        It is that of now or, for a stamp that our clock gave at `since_ns`, the one that makes it the oldest.
+        Without `since_ns` it is the offset of now. For a stamp that our clock gave at `since_ns`, it is of all offsets
+        since then the one by which the stamp is oldest: it is never taken for younger than it is.
         """
         now = HostTime(now_ns, host_time().ahead_ns)
         with self._lock:

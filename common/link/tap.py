@@ -6,11 +6,11 @@ from typing import Protocol
 class MessageTap(Protocol):
     """Called with the key and the bytes of each message, `sent` by this side or received; it must never wait.
 
-    What was received on a channel and is no message of it is `refused`.
+    It is `refused` where it was received on a channel and is no message of that channel.
     """
 
     def __call__(self, key: str, payload: bytes, *, sent: bool, refused: bool = False) -> None: ...
 
 
 def untapped(key: str, payload: bytes, *, sent: bool, refused: bool = False) -> None:
-    """Nobody looks."""
+    """Look at nothing, for a link without a tap."""

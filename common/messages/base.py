@@ -5,7 +5,7 @@ from typing import Annotated
 import msgspec
 
 PROTOCOL_VERSION = 17
-SESSION_BITS = 32  # of the random number of a start: five bytes on the wire
+SESSION_BITS = 32  # of the random number that a start of a site draws: five bytes on the wire
 SINGLE = msgspec.Meta(extra={"sent_as": "single precision"})
 IN_SIX_BYTES = msgspec.Meta(extra={"sent_as": "covariance"})
 Vector3 = Annotated[tuple[float, float, float], SINGLE]

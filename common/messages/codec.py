@@ -1,4 +1,4 @@
-"""Bytes to message and back: msgpack on the wire, types checked by msgspec, everything finite, or MessageError."""
+"""Messages to bytes and back: msgpack on the wire, types checked by msgspec, all numbers finite, else MessageError."""
 
 from typing import Any, TypeVar
 
@@ -16,7 +16,7 @@ MAX_TEXT_BYTES = 4096
 
 
 def encode(message: Message) -> bytes:
-    """The protocol version and the message's fields as one array in msgpack.
+    """Pack the protocol version and the message's fields as one array in msgpack.
 
     Text is cut to what `decode` accepts; MessageError for a number that is not finite.
     """
@@ -25,7 +25,7 @@ def encode(message: Message) -> bytes:
 
 
 def decode(payload: bytes, message: type[M], max_bytes: int) -> M:
-    """The message in `payload`; MessageError, with a reason for counting, for anything else.
+    """Read the message in `payload`; MessageError, with a reason for counting, for anything else.
 
     The size is capped before decoding; versions other than ours, unknown or missing fields, wrong types and numbers
     that are not finite are refused.

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import msgspec
 
-from common.messages.base import Count, Difference, Message, Name, Text, Vector3
+from common.messages.base import MOST_JOINTS, Count, Difference, Message, Name, Text, Vector3
 from common.messages.hand import HandPoint, Locks
 from common.messages.recording import EpisodeOutcome
 from common.messages.robot import Asker, Pose
@@ -87,9 +87,10 @@ class LeaseRequest(Request, frozen=True):
 
 
 class LeaseReply(Reply, frozen=True):
-    """The client's lease, 0 without one. `holder`, at the site of this session, holds the cell's, for `lasts_ns` more.
+    """The reply to a LeaseRequest: `lease` is the client's own, 0 without one.
 
-    `holder` is empty while nobody does.
+    `holder`, at the site of the session `holder_session`, holds the cell's lease for `lasts_ns` more; it is empty while
+    nobody does.
     """
 
     lease: Count = 0
@@ -125,7 +126,7 @@ class JointsRequest(Request, frozen=True):
 
 
 class RecordAction(StrEnum):
-    """The action on a recording: begin or end it; begin or end an episode; say of an episode how it went."""
+    """The action on a recording: begin or end it; begin or end an episode; say how an episode went."""
 
     START = "start"
     STOP = "stop"
@@ -169,7 +170,7 @@ class TroubleReport(Message, frozen=True):
 
 
 class TroubleNoted(Message, frozen=True):
-    """The remote site has noted it."""
+    """The answer to a TroubleReport: the remote site has noted it."""
 
 
 class DescribeQuestion(Message, frozen=True):
@@ -238,7 +239,7 @@ class Description(Message, frozen=True):
     software: Name
     robot: Text
     driver: Name
-    joints: Annotated[tuple[JointDescription, ...], msgspec.Meta(max_length=16)]
+    joints: Annotated[tuple[JointDescription, ...], msgspec.Meta(max_length=MOST_JOINTS)]
     cameras: Annotated[tuple[CameraDescription, ...], msgspec.Meta(max_length=16)]
     held: bool
     control_hz: float

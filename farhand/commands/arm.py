@@ -1,5 +1,6 @@
 """The commands under `farhand arm`: another arm's files."""
 
+import math
 import os
 from pathlib import Path
 from typing import Annotated, Literal
@@ -47,7 +48,7 @@ def import_command(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Make a configuration that runs of an arm's URDF: its limits, shapes, start posture, workspace and simulation.
+    """Make a working configuration from an arm's URDF: its limits, shapes, start posture, workspace and simulation.
 
     Example: farhand arm import panda.urdf --tool panda_hand_tcp --out panda.toml
     """
@@ -73,6 +74,9 @@ def import_command(
 def _position(option: str) -> tuple[str, float]:
     joint, _, position = option.partition("=")
     try:
-        return joint, float(position)
-    except ValueError as error:
-        raise ConfigError(f"--lock {option}: write it as JOINT=POSITION, a number in rad or m") from error
+        value = float(position)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ConfigError(f"--lock {option}: write it as JOINT=POSITION, a number in rad or m")
+    return joint, value

@@ -95,12 +95,12 @@ class ToolPath:
         self.openings_m.append(opening_m)
 
     def since(self, start_ns: int) -> "ToolPath":
-        """The same path with its times counted from `start_ns`."""
+        """Return the same path with its times counted from `start_ns`."""
         times_ns = [t_ns - start_ns for t_ns in self.times_ns]
         return replace(self, engaged_ns=self.engaged_ns - start_ns, times_ns=times_ns)
 
     def follow(self, snapshot: Snapshot, t_ns: int, q: Array, base_T_tool: Array, opening_m: float = math.nan) -> None:
-        """Note them where the arm has been engaged, and what hinders it."""
+        """Note the same once the arm has been engaged, and what hinders it now."""
         if snapshot.engagement is None:
             return
         if self.engaged_ns < 0:
@@ -186,7 +186,7 @@ def follow_on_robot(
 
 
 def _sample(sampler: HandSampler, estimate: ArmEstimate, hand: OpenHand, start_ns: int) -> HandArm:
-    """The sample of an estimate as it is sent, its times those of a site that began at `start_ns`."""
+    """Make the sample of an estimate as it is sent, with the times of a site that began at `start_ns`."""
     t_ns = start_ns + estimate.t_ns
     clock = ClockSync(remote_minus_local_ns=0, uncertainty_ns=0, measured_ns=t_ns)
     return sampler.sample(replace(estimate, t_ns=t_ns), hand, LEASE, clock, None, t_ns)
@@ -219,7 +219,7 @@ class FollowingArm:
 
 
 def _orientation(estimate: ArmEstimate) -> Array | None:
-    """The hand's orientation where it is shown, its thumb seen or inferred (thesis section 3.2.11)."""
+    """Compute the hand's orientation, its thumb seen or inferred (thesis section 3.2.11); None while it is open."""
     if estimate.wrist is None or estimate.index is None or estimate.thumb is None or estimate.hand_open:
         return None
     return hand_rotation(*(np.asarray(point) for point in (estimate.wrist, estimate.index, estimate.thumb)))

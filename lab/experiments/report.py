@@ -28,8 +28,9 @@ class CsvTable:
 class ExperimentReport:
     """The results of a finished experiment.
 
-    `figures` go to report.json; `compared` are the runs that report.html shows side by side, by their names;
-    `summary` is a few lines for the terminal. `plots` (PNG) and `data` (CSV) are by file name without extension.
+    `text` is the paragraph under the title of report.html. `figures` go to report.json; `compared` are the runs that
+    report.html shows side by side, by their names; `summary` is a few lines for the terminal. `plots` (PNG) and `data`
+    (CSV) are by file name without extension.
     """
 
     title: str

@@ -22,8 +22,8 @@ from local_site.simulation.room.config import SkinName
 from local_site.simulation.room.panels import lines_of_sight, out_of_focus
 from local_site.tracking.tracker import View, Views
 
-SECOND_AT = np.array([-0.05, 0.75, 0.05])
-SKIN_SHIRT = (205, 160, 130)
+SECOND_AT = np.array([-0.05, 0.75, 0.05])  # of the second person from the operator, m
+SKIN_SHIRT = (205, 160, 130)  # sRGB: a shirt of the colour of skin
 FOCUS_SIGMA_PX = 0.55
 MOST_PX = 16000.0  # a warp in whole and parts of px holds no more
 NOISE_MARGIN_PX = 61  # every picture shows another part of one larger picture of noise
@@ -56,7 +56,7 @@ class SeenRoom:
         self._still = self._seen(room.wall) if room.moving is None else None
 
     def at(self, t_s: float) -> Picture:
-        """The picture (H, W, 3), BGR from 0 to 255, at a time in s; the caller may draw on it."""
+        """Return the picture (H, W, 3), BGR from 0 to 255, at a time in s; the caller may draw on it."""
         if self._still is not None:
             return self._still.copy() if self._room.shade is None else self._still * self._shade(self._room.shade(t_s))
         wall = self._room.wall.copy()
@@ -86,7 +86,7 @@ class Sensor:
         self._noise = np.rint(random.normal(0.0, noise, shape)).astype(np.int16)
 
     def exposed(self, picture: Picture) -> Image:
-        """The picture (H, W, 3) as it is read out."""
+        """Return the picture (H, W, 3) as it is read out."""
         soft = cv2.GaussianBlur(cv2.convertScaleAbs(picture), (3, 3), FOCUS_SIGMA_PX)
         height, width = soft.shape[:2]
         top, left = self._random.integers(0, NOISE_MARGIN_PX, 2)
@@ -100,7 +100,7 @@ class Surroundings:
     def __init__(
         self, setting: FilmSetting, cameras: Sequence[PhysicalCamera], size: Size, tone: SkinName, seed: int
     ) -> None:
-        """`tone` and `seed` make the second person, who shows the left arm."""
+        """`seed` decides the room, the light, the noise and, with `tone`, the second person, who shows the left arm."""
         self._setting, self._cameras, self._size = setting, cameras, size
         random = np.random.default_rng(seed)
         room = furnished(setting.room, seed)
@@ -126,19 +126,19 @@ class Surroundings:
         return [rendered(camera, self._size, vertices, surface.triangles, colours) for camera in self._cameras]
 
     def exposure(self, t_s: float) -> tuple[float, ...]:
-        """Both ends of the exposure about a time, or the time itself."""
+        """Return both ends of the exposure about a time, s; only the time without an exposure."""
         half = self._setting.shutter_s / 2
         return (t_s - half, t_s + half) if half else (t_s,)
 
     def views(self, pictures: Sequence[Picture], number: int, fps: float) -> Views:
-        """The pictures as read out of the cameras, at the instant of a number."""
+        """Read the pictures out of the cameras, at the instant of frame `number`."""
         t_ns = round(number * NS_PER_S / fps)
         frames = [Frame(self._sensor.exposed(picture), t_ns, number) for picture in pictures]
         return Views(t_ns, tuple(View(frame) for frame in frames))
 
 
 def _fixed(warp: Array) -> tuple[cv2.typing.MatLike, cv2.typing.MatLike]:
-    """A warp in the form that is applied fastest."""
+    """Convert a warp (H, W, 2) in px to the form that is applied fastest."""
     clipped = np.clip(warp, -MOST_PX, MOST_PX).astype(np.float32)
     return cv2.convertMaps(clipped[..., 0], clipped[..., 1], cv2.CV_16SC2)
 

@@ -1,8 +1,8 @@
 """Runs both sites for an hour, with recorder, viewers and a page: `python -m lab.measure.endurance [MINUTES]`.
 
 Each minute the page is closed and opened again, the viewers leave and come again, and the arm is engaged again. It
-writes build/endurance.json: by process, its memory, descriptors and threads at the begin and at the end. It needs what
-`bench wan` needs, and 12 GB of disk an hour for the recording, which is deleted.
+writes build/endurance.json: by process, its memory, descriptors and threads in the first, the middle and the last fifth
+of the time. It needs what `bench wan` needs, and 12 GB of disk an hour for the recording, which is deleted.
 """
 
 import json
@@ -27,7 +27,7 @@ from lab.stage.processes import ROOT, family, memory_mb, module_command, name_of
 
 REPORT = Path("build") / "endurance.json"
 MINUTES = 60.0
-SETTLES_S = 60.0  # caches fill, the first page and engagement load what they need
+SETTLES_S = 60.0  # not counted: caches fill, the first page and the first engagement load what they need
 ROUND_S, SAMPLE_S = 60.0, 5.0
 ENGAGES_S = 10.0
 VIEWERS = 8
@@ -38,7 +38,7 @@ SHARE = 5  # the first, the middle and the last fifth are compared
 
 @dataclass(frozen=True, slots=True)
 class Usage:
-    """The resources of a process at a time, s: resident memory, open descriptors, threads."""
+    """The resources of a process `t_s` after the start: resident memory, open descriptors, threads."""
 
     t_s: float
     memory_mb: float
@@ -57,7 +57,7 @@ def usage_of(pid: int, t_s: float) -> Usage | None:
 
 
 def growth(usages: Sequence[Usage]) -> dict[str, float]:
-    """Medians of the first, the middle and the last fifth, and the memory's slope between the latter two, MB an hour.
+    """Compute medians of the first, middle and last fifth, and the memory's slope between the latter two, MB an hour.
 
     A median passes over what comes and goes, and buffers are full by the middle; what only grows is in the difference.
     ValueError for fewer than five.
@@ -82,7 +82,7 @@ def _medians(usages: Sequence[Usage]) -> dict[str, float]:
 
 
 def measure(minutes: float = MINUTES) -> dict[str, float]:
-    """The figures by process; in a process of its own, which leaves this host's network."""
+    """Measure in a process of its own, which leaves this host's network; the figures are by process."""
     if missing := why_not():
         sys.exit(f"endurance: no two hosts on this machine: {missing}")
     subprocess.run(module_command("lab.measure.endurance", minutes), check=True, cwd=ROOT)  # noqa: S603 - our own words
@@ -111,7 +111,7 @@ def run(minutes: float) -> dict[str, float]:
 
 
 def _round(stage: WanStage, watch: "UsageWatch") -> bool:
-    """A minute with a page and viewers, engaged; whether it engaged."""
+    """Run a minute with a page and viewers, engaged; return whether the arm engaged."""
     files = stage.open_page("page")
     with ExitStack() as stack:
         for _ in range(VIEWERS):
@@ -136,14 +136,14 @@ def _round(stage: WanStage, watch: "UsageWatch") -> bool:
 
 
 class UsageWatch:
-    """The resources of every process of the sites, every few seconds since the start, but for the time of settling."""
+    """The resources of every process of the sites but the page's, every few seconds once they have settled."""
 
     def __init__(self, stage: WanStage) -> None:
         self._stage, self._began_s = stage, time.monotonic()
         self._usages: dict[str, list[Usage]] = {}
 
     def look(self) -> None:
-        """Look at each once."""
+        """Read what each process holds now, unless they are still settling."""
         t_s = time.monotonic() - self._began_s
         if t_s < SETTLES_S:
             return
@@ -159,8 +159,9 @@ class UsageWatch:
         longest = max(map(len, self._usages.values()))
         for name, usages in self._usages.items():
             if len(usages) == longest:
-                figures |= {f"{name} {key}": value for key, value in growth(usages).items()}
-                print(name, " ".join(f"{key} {value:.1f}" for key, value in growth(usages).items()), flush=True)
+                grown = growth(usages)
+                figures |= {f"{name} {key}": value for key, value in grown.items()}
+                print(name, " ".join(f"{key} {value:.1f}" for key, value in grown.items()), flush=True)
         return figures | {"processes": float(len(self._usages)), "samples": float(longest)}
 
 

@@ -21,7 +21,7 @@ from remote_site.safety.silence import Silence
 from remote_site.safety.stopping import stopping
 
 SILENT_NS = 100 * NS_PER_MS
-PAUSE_NS = 50 * NS_PER_MS
+PAUSE_NS = 50 * NS_PER_MS  # a longer pause of control itself is not the driver's silence
 STARTING = RobotFault(FaultCode.NOT_ACTIVATED, "the driver has measured nothing yet")
 
 
@@ -29,12 +29,15 @@ class RobotReport(NamedTuple):
     """The robot as its driver's process reports it; `fault` is None while it takes commands.
 
     `t_ns` is when `q`, `dq` (rad, rad/s) were measured, 0 before anything was; `age_ns` is how old they are, without
-    pauses of this process, and `oldest_ns` how old they may become. `sent` is the motion to plan from: the
-    last command while the robot takes commands; otherwise what was commanded last, in a stop where it is now, and rest
-    where an activation was requested until it is answered. `obeyed_seq` is the newest command that has reached the
-    robot's motion. `answered`: the last activation was handled. `diverted`: a stop of the driver's own has begun since
-    the last command. `written` is what the robot was given last, after every limit: its `seq` is the command that it
-    comes from, None before the first.
+    pauses of this process, and `oldest_ns` how old they may become.
+
+    `sent` is the motion to plan from: while the robot takes commands, the last command; from the request of an
+    activation until it is answered, rest where it was requested; otherwise the motion commanded last, or where its stop
+    has come by now.
+
+    `obeyed_seq` is the newest command that has reached the robot's motion. `answered`: the last activation was handled.
+    `diverted`: a stop of the driver's own has begun since the last command. `written` is what the robot was given last,
+    after every limit, None before the first: its `seq` is that of the command that it comes from.
     """
 
     t_ns: int
@@ -52,12 +55,12 @@ class RobotReport(NamedTuple):
 
     @property
     def ready(self) -> bool:
-        """The robot takes commands."""
+        """Return whether the robot takes commands."""
         return self.fault is None
 
     @property
     def measured(self) -> bool:
-        """The robot is where `q` is: it has been measured, and not too long ago."""
+        """Return whether the robot is where `q` is: it has been measured, and not too long ago."""
         return self.t_ns > 0 and self.age_ns <= self.oldest_ns
 
 
@@ -75,7 +78,7 @@ class DriverLink:
         self._report = self._decoded(self._raw)
 
     def read(self) -> RobotReport:
-        """The newest report; not ready when the driver's process, one of its calls or a new reading takes too long."""
+        """Read the newest report; not ready when the driver's process, a call of it or a new reading takes too long."""
         raw = self._raw = self._memory.report.read()
         now_ns = self._clock.now_ns()
         age_ns, diverted = self._unmeasured.of(raw.t_ns, now_ns), raw.stop_count != self._stop_count
@@ -141,7 +144,7 @@ class DriverLink:
         )
 
     def _sent(self, raw: DriverReport, t_ns: int) -> JointMotion:
-        """The motion commanded last, or where the stop is at a time."""
+        """Return the motion commanded last, or that of its stop at a time."""
         motion = JointMotion(*raw.motions[2:5])
         return stopping(motion, self._limits, max(t_ns - raw.onset_ns, 0) / NS_PER_S) if raw.onset_ns else motion
 

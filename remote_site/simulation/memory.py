@@ -1,4 +1,4 @@
-"""Memory of the simulated cell, the driver and the video: setup, command, reading, snapshot."""
+"""The memory that the simulated cell shares with the driver and the video: setup, command, reading, snapshot."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -8,13 +8,16 @@ import numpy as np
 from common.messages.robot import GripperCommand
 from remote_site.shared_record import SharedRecord
 
-BLOCK_VALUES = 7
+BLOCK_VALUES = 7  # position and quaternion
 FINGERS = 2
 GRIPPER_COMMANDS = (GripperCommand.KEEP, GripperCommand.OPEN, GripperCommand.CLOSED)
 
 
 def setup_dtype(joints: int) -> np.dtype[np.void]:
-    """The driver's setup of the controller: its command time-out, the limits of its stop, and the grip force."""
+    """Return the type of the driver's setup of the controller: its command time-out, its stop's limits, its grip force.
+
+    The limits are of each joint, rad/s² and rad/s³.
+    """
     return np.dtype(
         [
             ("timeout_ns", np.int64),
@@ -26,9 +29,9 @@ def setup_dtype(joints: int) -> np.dtype[np.void]:
 
 
 def command_dtype(joints: int) -> np.dtype[np.void]:
-    """A setpoint: `activation` counts the driver's activations, and while `run` is false the arm stops and holds.
+    """Return the type of a setpoint in rad, rad/s and rad/s²; while `run` is false the arm stops and holds.
 
-    `gripper` is an index of `GRIPPER_COMMANDS`.
+    `activation` counts the driver's activations; `gripper` is an index of `GRIPPER_COMMANDS`.
     """
     return np.dtype(
         [
@@ -67,7 +70,7 @@ def reading_dtype(joints: int) -> np.dtype[np.void]:
 
 
 def snapshot_dtype(joints: int) -> np.dtype[np.void]:
-    """The posture of the whole cell at `t_ns`, for rendering: joints, fingers, block."""
+    """Return the type of the whole cell's posture at `t_ns`, for rendering: joints, fingers, block."""
     return np.dtype([("t_ns", np.int64), ("qpos", np.float64, (joints + FINGERS + BLOCK_VALUES,))])
 
 
@@ -82,6 +85,6 @@ class CellMemory:
 
     @classmethod
     def create(cls, joints: int) -> Self:
-        """Empty records for an arm of this many joints."""
+        """Make empty records for an arm of this many joints."""
         kinds = (setup_dtype, command_dtype, reading_dtype, snapshot_dtype)
         return cls(*(SharedRecord(kind(joints)) for kind in kinds))

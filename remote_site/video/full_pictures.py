@@ -8,11 +8,11 @@ from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.pictures import encode_jpeg
 from remote_site.video.streaming.setting import StreamSetting
 
-NEVER = -1
+NEVER = -1  # earlier than any exposure, ns
 
 
 class PictureKeeper(Protocol):
-    """Keeps full pictures, and each frame that was sent; `is_full` where its bytes are those of the full picture."""
+    """Keeps full pictures, and notes each frame that was sent; `is_full`: its bytes are those of the full picture."""
 
     def is_watched(self) -> bool: ...
 
@@ -30,11 +30,11 @@ class FullPictures:
 
     @property
     def wanted(self) -> bool:
-        """Return whether anybody takes them."""
+        """Return whether anybody takes the pictures."""
         return self._keeper.is_watched()
 
     def see(self, camera: str, frame: Frame | None, sent: VideoFrame | None, setting: StreamSetting) -> None:
-        """The newest exposure of a camera, and what of it was sent under this setting."""
+        """Keep the newest exposure of a camera, if it is new, and note the frame `sent` under this setting, if any."""
         whole = sent.data if sent is not None and frame is not None and self._is_full(sent, frame, setting) else b""
         if frame is not None and frame.capture_ns > self._kept_ns.get(camera, NEVER):
             self._kept_ns[camera] = frame.capture_ns

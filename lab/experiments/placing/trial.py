@@ -33,11 +33,13 @@ from remote_site.session.config import EngagementMode
 from remote_site.session.samples import NamedSample
 from remote_site.simulation.config import BLOCK
 
-TRACKING_NS, LINK_NS = 20 * NS_PER_MS, 5 * NS_PER_MS  # from an exposure to the sample sent; on its way
+TRACKING_NS, LINK_NS = 20 * NS_PER_MS, 5 * NS_PER_MS  # from an exposure until the sample is sent; then on the link
+# Periods: of exposures, of the page, and of the thesis's exposures.
 CAMERA_NS, PAGE_NS, THESIS_NS = NS_PER_S // 30, NS_PER_S // 10, NS_PER_S // 5
-# Of the mean of nine pictures, until all are from after the end of a movement: the operator knows it.
+# The thesis takes the mean of nine pictures: eight of its periods after a movement has ended, all nine show the end.
+# The operator knows this delay.
 THESIS_LAG_S = 1.6
-EMPTY_S = 1.5  # until the operator comes into the office; a tracker learns the room from 38 pairs
+EMPTY_S = 1.5  # until the operator comes into the office: 45 pairs, and a tracker learns the room from 38
 MOST_S = 120.0
 # Where the block starts (thesis section 5.3): its middle anywhere in a disc of 150 mm, turned by at most 30 deg.
 START_XY_M, START_RADIUS_M, START_TURN_DEG = (0.53, 0.04), 0.075, 30.0
@@ -60,12 +62,12 @@ class TrueSight:
             self._scenes.append(Scene(now_ns, self._body(BLOCK), self._fingers(), self._target))
 
     def page(self, now_ns: int) -> Mapping[str, ShownView]:
-        """There are no pictures."""
+        """Return no views: poses are taken instead of pictures."""
         del now_ns
         return {}
 
     def see(self, shown: ShownPage) -> Scene:
-        """The scene of the oldest exposure not yet seen."""
+        """Take the scene of the oldest exposure not yet seen."""
         del shown
         return self._scenes.popleft()
 
@@ -80,11 +82,11 @@ class TrueSight:
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """The conditions that differ between trials: tracker, whether the tool's roll is locked, and everything by chance.
+    """The conditions that differ between trials: the tracker's `method`, whether the tool's roll is locked, and more.
 
-    `altered` are the parts that are not as they are at a site. Without a `network` both sites are on one host, and all
-    pictures come as they are taken. With `assist` the cell has markers, and the operator lets the robot do the last of
-    the way.
+    `seed` decides everything that is random. `altered` names the parts that differ from those of a real site. Without
+    a `network` both sites are on one host, and all pictures arrive as they are taken. With `assist` the cell has
+    markers, and the operator lets the robot make the last part of the motion.
     """
 
     method: str
@@ -97,7 +99,7 @@ class Conditions:
 
 @dataclass(frozen=True, slots=True)
 class TrialResult:
-    """The outcome of a trial; `holds` is how often the arm held by itself, `grip_force_n` the largest at a finger.
+    """The outcome of a trial; `holds` counts how often the arm held by itself, `grip_force_n` is a finger's largest.
 
     `picture_age_ms` is the median age of the oldest view on the page, None without pictures.
     """
@@ -114,7 +116,7 @@ class TrialResult:
 
 
 def run_trial(conditions: Conditions) -> TrialResult:
-    """Run a trial to its end; the same for the same conditions."""
+    """Run a trial to its end; equal conditions give equal results."""
     rng = np.random.default_rng(conditions.seed)
     config = remote_config(rng)
     config = with_markers(config) if conditions.assist else config
@@ -184,7 +186,7 @@ class _Trial:
         return (self._site.now_ns - self._start_ns) / NS_PER_S
 
     def step(self) -> None:
-        """One control period of the remote site."""
+        """Run one control period of the remote site."""
         now_ns = self._site.now_ns
         self._views.expose(now_ns)
         if self._exposures.due(now_ns):
@@ -194,9 +196,8 @@ class _Trial:
         self._states.arrived(now_ns)
         if self._pages.due(now_ns) and self._states.newest is not None:
             views = self._views.page(now_ns)
-            self.seen.ages_ms += (
-                [max((now_ns - view.capture_ns) / NS_PER_MS for view in views.values())] if views else []
-            )
+            if views:
+                self.seen.ages_ms.append(max((now_ns - view.capture_ns) / NS_PER_MS for view in views.values()))
             self.operator.look(dataclasses.replace(self._states.newest, t_ns=now_ns, views=views), self._start_ns)
         samples = [NamedSample(OPERATOR, sample) for sample in self._samples.arrived(now_ns)]
         snapshot = self._site.tick(samples, self._markers.arrived())
@@ -236,8 +237,9 @@ def _operators_arm(conditions: Conditions, hand: ScriptedHand) -> TrackedOperato
 
 
 def remote_config(rng: np.random.Generator) -> RemoteConfig:
-    """The cell with calibrated views and the block at a random start."""
+    """Configure the cell with calibrated views and the block at a random start."""
     config = RemoteConfig().engaging(EngagementMode.HOLD_TO_RUN)
+    # The share of the disc within a radius grows with its square, so the root of a uniform number spreads evenly.
     angle, radius = rng.uniform(0, 2 * np.pi), START_RADIUS_M * np.sqrt(rng.uniform())
     x, y = START_XY_M[0] + radius * np.cos(angle), START_XY_M[1] + radius * np.sin(angle)
     yaw_deg = float(rng.uniform(-START_TURN_DEG, START_TURN_DEG))

@@ -11,18 +11,16 @@ Edge = tuple[int, int]
 
 
 def subdivided(quads: Quads, vertices: int) -> tuple[csr_array, Quads]:
-    """The matrix (F, V) from V coarse vertices to F fine ones, and the fine quads (4 Q, 4), for quads (Q, 4)."""
+    """Compute the matrix (F, V) from V coarse vertices to F fine ones, and the fine quads (4 Q, 4), for quads (Q, 4).
+
+    The fine vertices are the moved coarse ones, then one for each quad, then one for each edge.
+    """
     edges = _faces_of_edges(quads)
     face_at = vertices
     edge_at = {edge: vertices + len(quads) + k for k, edge in enumerate(edges)}
-    total = vertices + len(quads) + len(edges)
-    rows: list[dict[int, float]] = [defaultdict(float) for _ in range(total)]
-    for k, quad in enumerate(quads.tolist()):
-        rows[face_at + k] = dict.fromkeys(quad, 0.25)
-    for edge, faces in edges.items():
-        rows[edge_at[edge]] = _edge_row(edge, [rows[face_at + face] for face in faces])
-    for vertex, row in enumerate(_vertex_rows(quads, edges, vertices)):
-        rows[vertex] = row
+    face_rows = [dict.fromkeys(quad, 0.25) for quad in quads.tolist()]
+    edge_rows = [_edge_row(edge, [face_rows[face] for face in faces]) for edge, faces in edges.items()]
+    rows = [*_vertex_rows(quads, edges, vertices), *face_rows, *edge_rows]
     fine = [
         (corner, edge_at[_edge(corner, after)], face_at + k, edge_at[_edge(before, corner)])
         for k, quad in enumerate(quads.tolist())
@@ -44,7 +42,7 @@ def _faces_of_edges(quads: Quads) -> dict[Edge, list[int]]:
 
 
 def _edge_row(edge: Edge, face_rows: list[dict[int, float]]) -> dict[int, float]:
-    """The mean of both ends and both faces' middles; of the ends alone at the rim."""
+    """Weight both ends and both faces' middles equally; the ends alone at the rim."""
     row = defaultdict(float, dict.fromkeys(edge, 0.5))
     if len(face_rows) == 2:
         row = defaultdict(float, dict.fromkeys(edge, 0.25))
@@ -80,7 +78,11 @@ def _rim_row(vertex: int, rim: list[int]) -> dict[int, float]:
 
 
 def _inner_row(vertex: int, neighbours: list[int], corners: list[int]) -> dict[int, float]:
-    """(mean of face middles + 2 mean of edge middles + (n - 3) vertex) / n."""
+    """Weight (mean of face middles + 2 mean of edge middles + (n - 3) vertex) / n, with n edges at the vertex.
+
+    The mean of face middles is that of all their `corners`. An edge's middle is (vertex + neighbour) / 2, so twice
+    their mean is the vertex and 1 / n of each neighbour.
+    """
     n = len(neighbours)
     row: dict[int, float] = defaultdict(float)
     for corner in corners:

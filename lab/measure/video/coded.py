@@ -16,12 +16,12 @@ from remote_site.video.streaming.encoding import Encoded, PictureEncoder
 from remote_site.video.streaming.setting import StreamSetting
 
 WINDOW_PX, WINDOW_SIGMA_PX = (11, 11), 1.5
-C1, C2 = (0.01 * 255) ** 2, (0.03 * 255) ** 2
+C1, C2 = (0.01 * 255) ** 2, (0.03 * 255) ** 2  # keep the quotients finite where a picture is dark or even
 COMPARED_EVERY = 15  # pictures of a camera: comparing takes longer than encoding
 
 
 def ssim(a: Image, b: Image) -> float:
-    """Structural similarity of the brightness of two BGR pictures, 1 where they are equal.
+    """Compute the structural similarity of the brightness of two BGR pictures, 1 where they are equal.
 
     Source: Wang, Bovik, Sheikh and Simoncelli, Image quality assessment, IEEE Trans. Image Processing 13 (2004).
     """
@@ -38,7 +38,10 @@ def _windowed(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 class CodedCameras:
-    """An encoder and a decoder for each camera; `ssims` are those of the pictures compared, `encode_ms` of all."""
+    """An encoder and a decoder for each camera.
+
+    `ssims` are the similarities of the pictures that were compared, `encode_ms` the processor times of all.
+    """
 
     def __init__(self, config: VideoConfig, pictures: dict[str, list[Image]]) -> None:
         self.ssims: list[float] = []
@@ -49,7 +52,7 @@ class CodedCameras:
         self._decoders = defaultdict[str, PictureDecoder](PictureDecoder)
 
     def picture(self, camera: str, seq: int, setting: StreamSetting) -> Encoded:
-        """The picture of this number as it is sent."""
+        """Encode a camera's picture of this number as it is sent; note the time, and of some their similarity."""
         images = self._pictures[camera]
         image, t_ns = images[seq % len(images)], seq * self._period_ns
         began = time.process_time()

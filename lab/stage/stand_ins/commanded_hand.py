@@ -36,12 +36,14 @@ class CommandedHand:
         send(self._socket, **fields)
 
     def pose_of(self, q: Array) -> tuple[float, ...]:
-        """The hand's pose (m and rotation vector, operator frame) that asks for the tool where it is in a posture.
+        """Compute the hand's pose (m, rotation vector; operator frame) that asks for the tool's pose in a posture `q`.
 
         The arm's start is asked for by a hand at home.
         """
         start, now = (self.model.forward(posture) for posture in (self._start, q))
         base_R_operator: Array = np.array(self._mapping.base_R_operator)
+        # The tool's motion in the base is R = base_R_operator times the hand's, the shift also times the scale. So the
+        # hand's is R^T times the tool's, which is v @ R for a vector v.
         moved = (now[:3, 3] - start[:3, 3]) @ base_R_operator / self._mapping.scale
         turned = vector_from_rotation(now[:3, :3] @ start[:3, :3].T) @ base_R_operator
         return (*moved.tolist(), *turned.tolist())

@@ -22,10 +22,11 @@ from lab.visual_operator.sight.pose_fit import SeenOutline, fit_pose
 from lab.visual_operator.task import PlacingTask
 
 LEAST_VIEWS = 2
-TARGET_LOOKS = 25
-GOOD_PX = 2.5
+TARGET_LOOKS = 25  # pages after which the target is taken as known
+GOOD_PX = 2.5  # the largest residual of a fit that is believed
 RIDING_REACH = 5.0  # how much further the block is looked for in a view from the tool
-# Position (m) and rotation (rad): of what was seen before, of a thing that stands or lies, and of a level gripper.
+# Standard deviations of an expected pose, position (m) and rotation (rad): of what was seen before, of a thing that
+# lies or stands, of a level gripper, and of a gripper whose fingers were fitted.
 NEAR = np.array([0.03] * 3 + [0.15] * 3)
 LYING_NEAR = np.array([0.03, 0.03, 0.001, 0.002, 0.002, 0.15])
 STANDING = np.array([0.3, 0.3, 0.002, 0.004, 0.004, 0.6])
@@ -37,7 +38,10 @@ LEVEL_NEAR = np.array([0.03] * 3 + [0.03, 0.03, 0.15])
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Poses (4 x 4) in the base's frame at the pictures' time; None for what was not found in two views."""
+    """Poses (4 x 4) in the base's frame; None for what was not found in two views.
+
+    `t_ns` is when the oldest of the pictures was taken.
+    """
 
     t_ns: int
     block: Array | None
@@ -46,7 +50,7 @@ class Scene:
 
 
 class Sight:
-    """Looks at one page after the other; the target stays where it is on most of the first pages that show it."""
+    """Looks at one page after the other; the target's pose is the median over the first pages that show it."""
 
     def __init__(self, task: PlacingTask) -> None:
         self._task = task
@@ -70,7 +74,7 @@ class Sight:
         return Scene(oldest_ns, self._block, self._gripper, self._target)
 
     def _look_at_target(self, fixed: Sequence[ShownView]) -> None:
-        """The first pictures over a network are coarse: one look is not enough."""
+        """Find the target once more, and take the median: the first pictures over a network are coarse."""
         found = self._find_target(fixed)
         if found is not None:
             self._targets.append(found)
@@ -103,7 +107,7 @@ class Sight:
         return None if found is None else self._pointing_ahead(found)
 
     def _pointing_ahead(self, pose: Array) -> Array:
-        """The fingers look the same turned by half a turn, but never point back at the robot."""
+        """Choose of two poses that look the same, half a turn apart, the one that does not point back at the robot."""
         if pose[:3, 2] @ self._task.base_R_gripper[:, 2] > 0:
             return pose
         return transform(pose[:3, :3] @ HALF_TURN, pose[:3, 3])
@@ -111,7 +115,7 @@ class Sight:
     def _gripper_near(
         self, pose: Array, fixed: Sequence[ShownView], riding: Sequence[ShownView], opening_m: float
     ) -> Array | None:
-        """By its fingers; the block before the riding cameras, where they show it, tells the rotation best."""
+        """Find it by its fingers; where riding cameras show the block, that determines the rotation best."""
         task, block = self._task, self._block
         shapes = [shape for view in fixed for shape in self._fingers_in(view, opening_m, pose)]
         by_fingers = _near(shapes, pose, LEVEL_NEAR)
@@ -145,7 +149,7 @@ class Sight:
         return lambda fingers: self._task.tcp_T_fingers @ np.linalg.inv(fingers) @ thing
 
     def _find_target(self, views: Sequence[ShownView]) -> Array | None:
-        """The white square with red at its corner, in one view, and then in all that show it."""
+        """Find the white square with red at its corner in one view, and fit it in all that show it."""
         task = self._task
         for place in (place for view in views for place in papers_in(view, task)):
             seen = [t for view in views if (t := coloured_paper(view, place + task.paper_shape())) is not None]
@@ -194,6 +198,7 @@ def _middle(seen: Sequence[SeenOutline]) -> Array:
     rows = []
     for s in seen:
         x, y = s.outline.centre
+        # x = P[0] X / P[2] X for the homogeneous point X, so (x P[2] - P[0]) X = 0; likewise for y.
         rows += [x * s.projection[2] - s.projection[0], y * s.projection[2] - s.projection[1]]
     matrix = np.array([row / np.linalg.norm(row[:3]) for row in rows])
     point, *_ = np.linalg.lstsq(matrix[:, :3], -matrix[:, 3], rcond=None)

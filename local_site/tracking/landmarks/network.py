@@ -36,7 +36,7 @@ class LandmarkNetwork:
         self.side_px = int(given["shape"][1])
 
     def run(self, picture: Tensor) -> Sequence[Tensor]:
-        """The outputs for a square RGB picture (side, side, 3) from 0 to 1, each flat."""
+        """Compute the outputs for a square RGB picture (side, side, 3) from 0 to 1, without their batch axis."""
         self._interpreter.set_tensor(self._input, picture[None])
         self._interpreter.invoke()
         return [self._interpreter.get_tensor(index)[0] for index in self._outputs]
@@ -44,7 +44,7 @@ class LandmarkNetwork:
 
 @contextmanager
 def _silenced() -> Iterator[None]:
-    """Nothing on standard error meanwhile: the runtime prints there what it does, and has no switch for it."""
+    """Discard standard error meanwhile: the runtime prints there what it does, and has no switch for it."""
     sys.stderr.flush()
     kept = os.dup(2)
     nowhere = os.open(os.devnull, os.O_WRONLY)

@@ -142,3 +142,9 @@ def test_a_pictures_name_stays_in_its_folder(tmp_path: Path) -> None:
         "_outside.png",
         "front_side.png",
     ]
+
+
+def test_a_picture_that_cannot_be_written_is_named_as_its_file(tmp_path: Path) -> None:
+    (tmp_path / "views").write_text("not a folder")
+    with pytest.raises(CameraError, match=r"cannot write \S+/views/front_side\.png: "):
+        write_image(tmp_path / "views", "front/side", np.zeros((8, 8, 3), np.uint8))

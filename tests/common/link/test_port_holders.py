@@ -4,6 +4,7 @@ import errno
 import os
 import socket
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
@@ -11,7 +12,7 @@ from common.clock import FakeClock
 from common.errors import FarhandError
 from common.link.config import ON_THIS_HOST, LinkSecurity, TlsConfig
 from common.link.endpoints import check_free
-from common.link.port_holders import listener_on, why_not_bound
+from common.link.port_holders import holder_of_device, listener_on, why_not_bound
 from farhand.calibration.latency.page import PatternPage
 from local_site.console.config import ServeConfig
 from local_site.console.server import bind
@@ -59,3 +60,23 @@ def test_who_cannot_be_seen_is_not_named(monkeypatch: pytest.MonkeyPatch, taken:
     assert listener_on(taken) == ""
     error = OSError(errno.EADDRINUSE, "Address already in use")
     assert why_not_bound(error, taken).startswith("a program that this user may not see has this port")
+
+
+@pytest.fixture
+def processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A /proc whose process 7 has the device /dev/null open, and has no name yet."""
+    (tmp_path / "7" / "fd").mkdir(parents=True)
+    (tmp_path / "7" / "fd" / "3").symlink_to("/dev/null")
+    monkeypatch.setattr("common.link.port_holders.PROC", tmp_path)
+    return tmp_path / "7"
+
+
+def test_a_process_that_ends_while_it_is_looked_at_holds_nothing(processes: Path) -> None:
+    assert list(processes.iterdir()) == [processes / "fd"]
+    assert holder_of_device(Path("/dev/null")) == ""
+
+
+def test_a_name_that_is_cut_within_a_letter_is_told(processes: Path) -> None:
+    (processes / "cmdline").write_bytes(b"fernbedienung-\xc3\xbcber-alles")
+    (processes / "comm").write_bytes(b"fernbedienung-\xc3\n")
+    assert holder_of_device(Path("/dev/null")) == "fernbedienung-\ufffd (process 7)"

@@ -122,6 +122,7 @@ def here(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tm
         (["doctor", "--set", "driver.name=elbow"], 1, ""),
         (["arm", "import", "absent.urdf"], 1, "cannot read absent.urdf"),
         (["arm", "import", "absent.urdf", "--lock", "joint"], 2, "write it as JOINT=POSITION"),
+        (["arm", "import", "absent.urdf", "--lock", "joint=nan"], 2, "write it as JOINT=POSITION"),
         (["console", "--set", "links.control=tcp/10.0.0.1:7447"], 2, "refused"),
     ],
 )

@@ -39,11 +39,11 @@ from local_site.tracking.silhouette.hand_model.skeleton import (
 MIN_VIEWS = 2
 # The compiled functions take one number of views, so that they are compiled once.
 MAX_VIEWS = 4
-ROBUST_SIGMAS = 1.5
-OUTSIDE = (3.0, 2.0)
-MAX_TURN = 0.35
-SMALL_STEP = 0.01
-CONTAINED = 20
+ROBUST_SIGMAS = 1.5  # the Cauchy cost's scale
+OUTSIDE = (3.0, 2.0)  # weight of a sphere outside the silhouette; standard deviations beyond which it has less
+MAX_TURN = 0.35  # rad in one step, of the hand or of a joint
+SMALL_STEP = 0.01  # rad, or a tenth of it in m: a smaller step is the last
+CONTAINED = 20  # the first spheres, of fingers and thumb, are to lie within the silhouette
 # Angles, rad, at which joints stop: fingers do not cross, and a thumb does not pass through the palm.
 LEAST = np.full(PARAMETERS, -np.inf)
 LEAST[SPREAD], LEAST[ABDUCTION] = -0.2, 0.1
@@ -100,8 +100,8 @@ class Prior(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class HandFit:
-    """A fitted hand with the information (16, 16) about it, the prior's included, and the cost per outline pixel in
-    squared standard deviations."""
+    """A fitted hand with the information (16, 16) about it, the prior's included, and the cost per outline pixel and
+    landmark, in squared standard deviations."""
 
     pose: HandPose
     prior: Prior
@@ -111,12 +111,12 @@ class HandFit:
 
     @property
     def spheres(self) -> HandSpheres:
-        """Its spheres."""
+        """Its spheres, in m."""
         return hand_spheres(self.pose, self.person)
 
 
 def padded(views: Sequence[HandView]) -> tuple[HandView, ...]:
-    """The views as the compiled functions take them: always MAX_VIEWS."""
+    """Fill up the views to MAX_VIEWS, the number that the compiled functions take."""
     return (*views, *[NO_VIEW] * (MAX_VIEWS - len(views)))
 
 
@@ -127,7 +127,7 @@ def fit_hand(views: Sequence[HandView], start: HandPose, prior: Prior, person: P
 
 
 def contact(view: HandView, spheres: HandSpheres, pixels: Array) -> Contact:
-    """The contacts of pixels (N, 2) of a view with a hand."""
+    """Compute the contacts of pixels (N, 2) of a view with a hand."""
     return touch(pixels, project_spheres(view.projection, view.focal_px, spheres))
 
 
@@ -135,7 +135,10 @@ def contact(view: HandView, spheres: HandSpheres, pixels: Array) -> Contact:
 def _descend(
     views: tuple[HandView, ...], start: HandPose, prior: Prior, person: Person, iterations: int
 ) -> tuple[HandPose, Array, float]:
-    """The improved hand, the views' information (16, 16), and the cost per outline pixel and landmark."""
+    """Return the improved hand, the views' information (16, 16), and the cost per outline pixel and landmark.
+
+    The latter two are those before the last step.
+    """
     wrist, rotation, posture = start
     information, gradient = np.zeros((STATE, STATE)), np.zeros(STATE)
     cost, stopped, strain = 0.0, 0.0, np.zeros(STATE)
@@ -148,6 +151,8 @@ def _descend(
         strain[POSE:] = posture - prior.posture
         known = information + prior.information
         stopped = _add_stops(posture, known, gradient)
+        # After a step the cost is |r + J step|^2 + (s + step)^T P (s + step), with the residuals r and the strain s.
+        # Its derivative is zero where (J^T J + P) step = -J^T r - P s; `known` is J^T J + P, `gradient` is J^T r.
         step = np.linalg.solve(known, -gradient - prior.information @ strain)
         turn = max(np.sqrt(np.sum(step[3:POSE] ** 2)), np.abs(step[POSE:]).max())
         step = step * min(1.0, MAX_TURN / max(turn, 1e-9))
@@ -163,11 +168,11 @@ def _descend(
 
 @compiled
 def _add_stops(posture: Array, information: Array, gradient: Array) -> float:
-    """Add the joints that are beyond their stops to the normal equations; returns their cost."""
+    """Add the joints that are beyond their stops to the normal equations; return their cost."""
     cost = 0.0
     for p in range(PARAMETERS):
         beyond = (posture[p] - LEAST[p]) / STOP_SIGMA
-        if beyond < 0.0:
+        if beyond < 0.0:  # a residual, whose derivative by the angle is 1 / STOP_SIGMA
             information[POSE + p, POSE + p] += 1 / STOP_SIGMA**2
             gradient[POSE + p] += beyond / STOP_SIGMA
             cost += beyond * beyond
@@ -176,7 +181,7 @@ def _add_stops(posture: Array, information: Array, gradient: Array) -> float:
 
 @compiled
 def _add_views(views: tuple[HandView, ...], spheres: HandSpheres, information: Array, gradient: Array) -> float:
-    """Add outlines and landmarks of all views to the normal equations; returns their cost."""
+    """Add outlines and landmarks of all views to the normal equations; return their cost."""
     cost = 0.0
     for view in views:
         if len(view.pixels) == 0 and len(view.landmarks) == 0:
@@ -208,7 +213,7 @@ class Effort:
 
 
 def search_hand(views: Sequence[HandView], far_end: Array, prior: Prior, person: Person, effort: Effort) -> HandFit:
-    """The best fit from starts with the middle finger's tip towards `far_end` (3,) in m.
+    """Find the best fit from starts with the middle finger's tip towards `far_end` (3,) in m.
 
     All starts are fitted for a few iterations on some of the outline's pixels, the best fully on all.
     """
