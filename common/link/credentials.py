@@ -31,6 +31,7 @@ MISSING = (
     "here: farhand certificates create CELL, and for a router then farhand certificates router CELL"
 )
 UNREAD = "let this user read it, or be the service's: sudo -u farhand farhand ..."
+UNLOCK = "is locked with a password, and no service can type one; write it without: openssl pkey -in KEY -out NEW"
 HANDSHAKE_ROUNDS = 8  # more than any TLS handshake takes
 
 
@@ -53,6 +54,8 @@ def load_credentials(tls: TlsConfig, table: str = TABLE) -> Credentials:
         except OSError as error:
             cure = UNREAD if isinstance(error, PermissionError) else MISSING
             raise TransportError(f"{table}.{what}: cannot read {path}: {error.strerror}; {cure}") from error
+    if is_locked(tls.key):
+        raise TransportError(f"{table}.key: {tls.key} {UNLOCK}")
     try:
         certificate = _shake_hands(*_own_contexts(tls))
     except ssl.SSLCertVerificationError as error:
@@ -64,6 +67,11 @@ def load_credentials(tls: TlsConfig, table: str = TABLE) -> Credentials:
     if identity is None:
         raise TransportError(f"{table}.certificate: {tls.certificate} names {named!r}, which {_why_no_identity(named)}")
     return Credentials(tls, identity)
+
+
+def is_locked(key: str) -> bool:
+    """Tell whether a key file (PEM) needs a password: OpenSSL would ask for it at the terminal, and wait for ever."""
+    return b"ENCRYPTED" in Path(key).read_bytes()
 
 
 def _why_no_identity(named: str) -> str:

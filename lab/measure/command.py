@@ -77,12 +77,17 @@ def main(names: list[str]) -> None:
     unknown = set(names) - set(BENCHMARKS)
     if unknown:
         sys.exit(f"no such benchmark: {', '.join(sorted(unknown))}; there are {', '.join(BENCHMARKS)}")
-    results = {name: benchmarks[name]() for name in names or BENCHMARKS}
-    for name, figures in results.items():
+    results: dict[str, dict[str, float]] = {}
+    for name in names or BENCHMARKS:
+        results[name] = benchmarks[name]()
+        RESULTS.parent.mkdir(exist_ok=True)
+        RESULTS.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")  # another may fail
         if name not in SHOW_THEMSELVES:
-            table = Table(title=name, show_header=False)
-            for figure, value in figures.items():
-                table.add_row(figure, f"{value:.3f}")
-            Console().print(table)
-    RESULTS.parent.mkdir(exist_ok=True)
-    RESULTS.write_text(json.dumps(results, indent=2) + "\n", encoding="utf-8")
+            _show(name, results[name])
+
+
+def _show(name: str, figures: dict[str, float]) -> None:
+    table = Table(title=name, show_header=False)
+    for figure, value in figures.items():
+        table.add_row(figure, f"{value:.3f}")
+    Console().print(table)

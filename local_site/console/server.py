@@ -18,6 +18,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect, WebSocketDiscon
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from common.errors import ConfigError, MessageError, TransportError
+from common.link.credentials import UNLOCK, is_locked
 from common.link.port_holders import why_not_bound
 from local_site.console.config import ServeConfig
 from local_site.console.doorway import Doorway, DoorwayProtocol, Handshake
@@ -82,6 +83,8 @@ def make_server(hub: Hub, serve: ServeConfig, port: int) -> uvicorn.Server:
         if path and not Path(path).is_file():
             raise ConfigError(f"serve.certificate, serve.key: there is no file {path}")
     try:
+        if serve.key and is_locked(serve.key):
+            raise ConfigError(f"serve.key: {serve.key} {UNLOCK}")
         config.load()
     except OSError as error:  # ssl's errors are among these
         raise ConfigError(f"serve.certificate, serve.key: cannot be used: {error}") from error

@@ -4,6 +4,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
+from cryptography.hazmat.primitives import serialization
 
 from common.errors import RefusedError, TransportError
 from common.link.channels import ENGAGEMENT, HAND, STATE
@@ -103,6 +104,18 @@ def test_files_that_do_not_belong_together_are_told_apart(pki: Path, tmp_path: P
     }.items():
         with pytest.raises(TransportError, match=why):
             load_credentials(TlsConfig(ca=files[0], certificate=files[1], key=files[2]))
+
+
+def test_a_key_with_a_password_is_refused_instead_of_asked_for(pki: Path, tmp_path: Path) -> None:
+    key = serialization.load_pem_private_key((pki / CELL / "remote.key").read_bytes(), None)
+    formats = (serialization.PrivateFormat.PKCS8, serialization.PrivateFormat.TraditionalOpenSSL)
+    for number, written in enumerate(formats):
+        path = tmp_path / f"{number}.key"
+        locked = serialization.BestAvailableEncryption(b"secret")
+        path.write_bytes(key.private_bytes(serialization.Encoding.PEM, written, locked))
+        tls = TlsConfig(ca=str(pki / "ca.pem"), certificate=str(pki / CELL / "remote.pem"), key=str(path))
+        with pytest.raises(TransportError, match=r"locked with a password.*openssl pkey -in"):
+            load_credentials(tls)
 
 
 def test_who_listens_everywhere_is_reached_on_the_loopback_interface() -> None:

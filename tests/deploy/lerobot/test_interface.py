@@ -3,6 +3,7 @@
 import inspect
 import tomllib
 
+import msgpack
 import pytest
 from lerobot.teleoperators.config import TeleoperatorConfig
 from lerobot.teleoperators.teleoperator import Teleoperator
@@ -69,10 +70,16 @@ def test_what_is_configured_wrongly_is_refused_with_the_cure():
             FarhandTeleopConfig(**wrong)
 
 
+def test_a_state_may_have_more_fields_at_its_end_and_not_fewer():
+    fields = msgpack.unpackb(encode(golden.STATE))
+    assert wire.cell_state(msgpack.packb([*fields, 7])) == wire.cell_state(encode(golden.STATE))
+    with pytest.raises(wire.WireError, match="too few: install the release of the cell"):
+        wire.cell_state(msgpack.packb(fields[: wire.TARGET + 1]))
+
+
 def test_the_layout_of_messages_is_that_of_this_release():
     assert wire.VERSION == PROTOCOL_VERSION
     fields = RobotState.__struct_fields__
-    assert len(fields) == wire.STATE_FIELDS
     named = {
         "session": wire.SESSION, "seq": wire.SEQ, "t_ns": wire.T_NS, "state": wire.STATE, "code": wire.CODE,
         "reason": wire.REASON, "q_commanded": wire.Q_COMMANDED, "base_T_tool": wire.BASE_T_TOOL,

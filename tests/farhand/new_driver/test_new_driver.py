@@ -36,7 +36,9 @@ def package(tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_its_own_tests_pass(package: Path) -> None:
+def test_its_own_tests_pass_in_a_checkout_of_farhand_too(package: Path) -> None:
+    settings = "[tool.pytest.ini_options]\naddopts = '--import-mode=importlib'\n"
+    (package.parent / "pyproject.toml").write_text(settings)
     done = run("-m", "pytest", "-q", "-p", "no:cacheprovider", "tests", path=package)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "3 passed" in done.stdout
