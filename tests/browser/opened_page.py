@@ -135,7 +135,7 @@ class OpenedPage:
         self.page.keyboard.up("Space")
         self.page.wait_for_timeout(150)
         self.page.keyboard.down("Space")
-        for _ in range(10 * (1 + next(tries))):
+        for _ in range(40 * (1 + next(tries))):
             if self.follows:
                 break
             self.page.wait_for_timeout(25)

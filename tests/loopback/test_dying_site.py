@@ -11,6 +11,7 @@ from farhand.loopback.site_process import options_of
 from remote_site.session.config import ACCEPTANCE
 
 LIGHT = ("--seconds", "6", "--headless", "--tracker", "markers")
+ATTEMPTS = 3  # on a machine that is too slow for the arm to be followed
 DRIVER = """
 from farhand.driver import Capabilities
 
@@ -81,15 +82,18 @@ def test_a_driver_that_cannot_be_configured_is_named_with_its_reason(tmp_path: P
 @pytest.mark.slow
 def test_what_was_measured_is_printed_where_a_site_dies_after_the_arm_followed(tmp_path: Path) -> None:
     install(tmp_path, "mortal", MORTAL, "Mortal")
-    done = loopback(tmp_path, "driver.name=mortal", f"engagement.automatic_accepted={ACCEPTANCE}")
-    assert done.returncode == 1
-    assert "exposure to joint command, ms" in done.stdout
-    died = "the remote process ended (exit code 1): remote: process driver died"
-    *_, before, last = done.stderr.splitlines()
-    if last.startswith("this machine was too slow"):  # as when another test runs beside this one
-        assert before.startswith(f"farhand: {died}")
-    else:
-        assert last.startswith(f"farhand: broken: {died}")
+    for _ in range(ATTEMPTS):
+        done = loopback(tmp_path, "driver.name=mortal", f"engagement.automatic_accepted={ACCEPTANCE}")
+        assert done.returncode == 1
+        assert "exposure to joint command, ms" in done.stdout
+        died = "the remote process ended (exit code 1): remote: process driver died"
+        *_, before, last = done.stderr.splitlines()
+        if not last.startswith("this machine was too slow"):
+            assert last.startswith(f"farhand: broken: {died}")
+            return
+        if before.startswith(f"farhand: {died}"):
+            return
+    pytest.fail(f"the machine was too slow for the arm to be followed till the driver died: {done.stderr}")
 
 
 @pytest.mark.slow
