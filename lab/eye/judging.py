@@ -21,7 +21,7 @@ CHI2_95 = 5.991  # of two degrees of freedom
 
 
 @dataclass(frozen=True, slots=True)
-class Judgement:
+class EyeJudgement:
     """What was measured over held-out samples; lengths in mm at the wrist's depth, points in the order of the poses.
 
     `tone_error_mm` is of groups of tones from the palest to the darkest, over all points that are seen, `tone_overlap`
@@ -46,14 +46,14 @@ class Judgement:
 
 
 @torch.no_grad()
-def judge(network: EyeNetwork, source: SampleSource, kind: CropKind, batches: int, size: int) -> Judgement:
+def judge(network: EyeNetwork, source: SampleSource, kind: CropKind, batches: int, size: int) -> EyeJudgement:
     """Measure a network on new samples of a source."""
     network.eval()
     seen = [_looked(network, source.batch(size)) for _ in range(batches)]
-    return _judged(kind, _Looked(*(torch.cat(part) for part in zip(*seen, strict=True))))
+    return _judged(kind, _SeenSamples(*(torch.cat(part) for part in zip(*seen, strict=True))))
 
 
-class _Looked(NamedTuple):
+class _SeenSamples(NamedTuple):
     """Of N samples: errors (N, 22, 2), whitening (N, 22, 3), which points were asked for and seen (N, 22), tone (N,),
     overlaps of the parts (N, 4), whether the answers of bare and of right hands were wrong (N, 2), NaN if not asked."""
 
@@ -66,9 +66,9 @@ class _Looked(NamedTuple):
     wrong: Tensor
 
 
-def _looked(network: EyeNetwork, sample: Sample) -> _Looked:
+def _looked(network: EyeNetwork, sample: Sample) -> _SeenSamples:
     parts, points, whole, _ = network(sample.picture)
-    return _Looked(
+    return _SeenSamples(
         off=points[..., :2] - sample.points[..., :2],
         sure=points[..., 2:5],
         asked=sample.asked,
@@ -79,13 +79,13 @@ def _looked(network: EyeNetwork, sample: Sample) -> _Looked:
     )
 
 
-def _judged(kind: CropKind, looked: _Looked) -> Judgement:
+def _judged(kind: CropKind, looked: _SeenSamples) -> EyeJudgement:
     off, sure, asked, seen, tone, overlaps, wrong = looked
     error = 1e3 * CROP_M[kind] * off.norm(dim=2)
     square = whitened(off, sure).square().sum(dim=2)
     group = (tone / (TONES - 1.0) * TONE_GROUPS).long().clamp_max(TONE_GROUPS - 1)
     groups = [(group == k) for k in range(TONE_GROUPS)]
-    return Judgement(
+    return EyeJudgement(
         samples=len(off),
         seen_mean_mm=[_number(error[seen[:, k], k].mean()) for k in range(POINTS)],
         seen_median_mm=[_number(error[seen[:, k], k].median()) for k in range(POINTS)],
