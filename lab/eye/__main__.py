@@ -7,23 +7,19 @@ from pathlib import Path
 import torch
 
 from lab.eye.arms.poses import PoseStore, stored_poses
-from lab.eye.arms.surface import CropKind
 from lab.eye.judging import judge
-from lab.eye.judging_films import judge_film
 from lab.eye.judging_finder import judge_finder
 from lab.eye.learning import eye_losses
 from lab.eye.learning_to_find import finder_losses
-from lab.eye.network import EyeNetwork, FinderNetwork
+from lab.eye.network import FINDER_WIDTH, WIDTHS, EyeNetwork, FinderNetwork
 from lab.eye.pictures.backgrounds import Picture, room_tiles
 from lab.eye.pictures.hands_in_rooms import FinderSource
 from lab.eye.pictures.photographs import installed_photographs
 from lab.eye.pictures.samples import SampleSource
+from lab.eye.trained import WEIGHTS
 from lab.eye.training import Training
-from lab.films.listing import composed_films, right_arm_films
 
 FOLDER = Path("build/eye")
-WEIGHTS = Path(__file__).parent / "weights"
-WIDTHS, FINDER_WIDTH = {"arm": 16, "hand": 20}, 12
 BODIES, HELD_OUT_BODIES = 2000, 60
 LEARNING_SEED, JUDGING_SEED = 1, 1_000_001
 JUDGED_BATCHES = 12
@@ -33,7 +29,7 @@ def main() -> None:
     """Read the command line and do what it asks."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # of the processes that draw poses: there is one for each core
     parser = argparse.ArgumentParser(prog="python -m lab.eye", description=__doc__)
-    parser.add_argument("command", choices=["draw", "train", "judge", "films"])
+    parser.add_argument("command", choices=["draw", "train", "judge"])
     parser.add_argument("kind", choices=["arm", "hand", "finder"], nargs="?", default="arm")
     parser.add_argument("--hours", type=float, default=3.0, help="how long to train, what was trained before included")
     parser.add_argument("--go-on", action="store_true", help="begin with the weights in lab/eye, not from nothing")
@@ -42,9 +38,6 @@ def main() -> None:
     parser.add_argument("--batch", type=int, default=0, help="pictures at a time; 128 on an accelerator, else 24")
     arguments = parser.parse_args()
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
-    if arguments.command == "films":
-        _judge_films()
-        return
     arguments.batch = arguments.batch or (128 if device.type == "cuda" else 24)
     poses = _poses(arguments.folder, arguments.bodies, LEARNING_SEED)
     torch.manual_seed(LEARNING_SEED)
@@ -80,19 +73,6 @@ def _train_finder(arguments: argparse.Namespace, poses: PoseStore, device: torch
     held_out = _poses(folder, HELD_OUT_BODIES, JUDGING_SEED)
     unseen = FinderSource(held_out, _tiles(JUDGING_SEED), device, JUDGING_SEED)
     _tell(judge_finder(training.averaged, unseen, JUDGED_BATCHES, arguments.batch).text(), folder / "finder.json")
-
-
-def _judge_films() -> None:
-    """Follow the arms of all films with the weights beside this file."""
-    networks: dict[CropKind, EyeNetwork] = {}
-    kinds: tuple[CropKind, ...] = ("arm", "hand")
-    for kind in kinds:
-        networks[kind] = EyeNetwork(WIDTHS[kind]).eval()
-        networks[kind].load_state_dict(torch.load(WEIGHTS / f"{kind}.pt", weights_only=True)["averaged"])
-    for film in [*right_arm_films(JUDGING_SEED), *composed_films(JUDGING_SEED)]:
-        figures = judge_film(film, networks)
-        if figures is not None:
-            print(figures.line(), flush=True)
 
 
 def _tell(text: str, path: Path) -> None:

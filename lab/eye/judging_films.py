@@ -1,4 +1,4 @@
-"""How well the networks alone follow the arms of films, whose rasteriser, rooms and bodies they have never seen."""
+"""How well the networks alone follow films' arms, with another rasteriser: `python -m lab.eye.judging_films`."""
 
 from dataclasses import dataclass
 
@@ -9,10 +9,13 @@ from lab.eye.arms.poses import ELBOW, INDEX_TIP, THUMB_TIP, WRIST
 from lab.eye.arms.surface import CropKind
 from lab.eye.following import EyeFollower, begun_at
 from lab.eye.network import EyeNetwork
+from lab.eye.trained import trained_networks
 from lab.films.film import TrackingFilm
+from lab.films.listing import composed_films, right_arm_films
 
 LOST_M = 0.08  # the wrist is farther off than half a hand's width: the crops show something else
 EVERY = 2  # of the instants
+SEED = 1_000_001
 JUDGED = {"elbow": ELBOW, "wrist": WRIST, "index": INDEX_TIP, "thumb": THUMB_TIP}
 
 
@@ -31,6 +34,15 @@ class FilmFigures:
         """Write a line of a table."""
         points = ", ".join(f"{name} {self.mean_mm[name]:.0f} ({self.relative_mm[name]:.0f})" for name in JUDGED)
         return f"{self.film}: {self.pairs} pairs, lost {100 * self.lost:.0f} %, mm (relative): {points}"
+
+
+def main() -> None:
+    """Print a line for each film of a right arm."""
+    networks = trained_networks()
+    for film in [*right_arm_films(SEED), *composed_films(SEED)]:
+        figures = judge_film(film, networks)
+        if figures is not None:
+            print(figures.line(), flush=True)
 
 
 def judge_film(film: TrackingFilm, networks: dict[CropKind, EyeNetwork]) -> FilmFigures | None:
@@ -61,3 +73,7 @@ def _figures(film: str, errors: Array) -> FilmFigures:
         mean_mm=dict(zip(JUDGED, distance.mean(axis=0).tolist(), strict=True)),
         relative_mm=dict(zip(JUDGED, relative.mean(axis=0).tolist(), strict=True)),
     )
+
+
+if __name__ == "__main__":
+    main()

@@ -16,8 +16,8 @@ NEAR_ENOUGH = 0.8  # tenths of a metre from the palm's middle
 
 @dataclass(frozen=True, slots=True)
 class FinderJudgement:
-    """Shares of hands that were found, found as the other side, and of pictures with something found that is none;
-    medians of the errors of middle (mm), direction (deg) and size (share) of those that were found."""
+    """Shares of hands that were found, of those taken for the other side, and of pictures with something found that is
+    none; medians of the errors of middle (mm), direction (deg) and size (share) of those that were found."""
 
     hands: int
     found: float
@@ -43,20 +43,20 @@ def judge_finder(network: FinderNetwork, source: FinderSource, batches: int, siz
         rows.append(_of_hands(answer, sample))
         false.append(_false(answer, sample))
     of_hand = torch.cat(rows)
-    right = of_hand[of_hand[:, 0] > 0.5]
+    found = of_hand[of_hand[:, 0] > 0.5]
     return FinderJudgement(
         hands=len(of_hand),
         found=_rounded(of_hand[:, 0].mean()),
-        other_side=_rounded(of_hand[:, 1].mean()),
+        other_side=_rounded(found[:, 1].mean()),
         pictures_with_false=_rounded(torch.cat(false).float().mean()),
-        middle_mm=_rounded(right[:, 2].median()),
-        direction_deg=_rounded(right[:, 3].median()),
-        size=_rounded(right[:, 4].median()),
+        middle_mm=_rounded(found[:, 2].median()),
+        direction_deg=_rounded(found[:, 3].median()),
+        size=_rounded(found[:, 4].median()),
     )
 
 
 def _peaks(heat: Tensor) -> Tensor:
-    """Which cells (B, 2, H, W) are sure, and surer than all about them."""
+    """Which cells (B, 1, H, W) are sure, and surer than all about them."""
     share = torch.sigmoid(heat)
     return (share >= SURE) & (share == torch.nn.functional.max_pool2d(share, 5, 1, 2))
 
@@ -69,15 +69,14 @@ def _middles(answer: Tensor) -> Tensor:
 
 
 def _of_hands(answer: Tensor, sample: FinderSample) -> Tensor:
-    """Of each hand to be found (N, 5): found, found as the other side, errors of middle, direction and size."""
-    peaks, middles = _peaks(answer[:, :2]), _middles(answer)
+    """Of each hand to be found (N, 5): found, taken for the other side, errors of middle, direction and size."""
+    peaks, middles = _peaks(answer[:, :1])[:, 0], _middles(answer)
     rows = []
     for b, k in sample.found.nonzero().tolist():
         unit = COLUMNS * torch.exp(sample.size[b, k])  # a tenth of a metre, in cells
         off = (middles[b] - sample.middle[b, k][:, None, None]).norm(dim=0) / unit
         near = peaks[b] & (off < NEAR_ENOUGH)
-        mine = 0 if sample.right[b, k] else 1
-        cell = torch.where(near[mine], off, torch.inf).flatten().argmin()
+        cell = torch.where(near, off, torch.inf).flatten().argmin()
         told = answer[b, :, cell // answer.shape[3], cell % answer.shape[3]]
         cosine = torch.nn.functional.cosine_similarity(told[4:6], sample.direction[b, k], dim=0)
         errors = [
@@ -85,9 +84,8 @@ def _of_hands(answer: Tensor, sample: FinderSample) -> Tensor:
             torch.rad2deg(torch.arccos(cosine.clamp(-1, 1))),
             (told[6] - sample.size[b, k]).abs(),
         ]
-        rows.append(
-            torch.stack([near[mine].any().float(), (near[1 - mine].any() & ~near[mine].any()).float(), *errors])
-        )
+        other = (told[1] > 0.0) != sample.right[b, k]
+        rows.append(torch.stack([near.any().float(), other.float(), *errors]))
     return torch.stack(rows) if rows else torch.empty((0, 5), device=answer.device)
 
 
@@ -95,7 +93,7 @@ def _false(answer: Tensor, sample: FinderSample) -> Tensor:
     """Whether (B,) something is found far from every hand, those included that were not asked for."""
     off = (_middles(answer)[:, None] - sample.middle[..., None, None]).norm(dim=2)
     near = (off < 2.0 * COLUMNS * torch.exp(sample.size)[..., None, None]).any(dim=1, keepdim=True)
-    return (_peaks(answer[:, :2]) & ~near).any(dim=(1, 2, 3))
+    return (_peaks(answer[:, :1]) & ~near).any(dim=(1, 2, 3))
 
 
 def _rounded(value: Tensor) -> float:

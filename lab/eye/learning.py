@@ -13,7 +13,8 @@ FREEDOM = 4.0  # of Student's distribution: some errors are far beyond what most
 SHARPEST = 7.0  # the logarithm of the greatest whitening: a deviation of 1/1000 of the crop
 POINT_WEIGHT, SURE_WEIGHT, DEPTH_WEIGHT = 20.0, 0.1, 4.0
 HEAT_WEIGHT, HEAT_SPREAD = 0.3, 1.0 / 48.0  # about a point, in shares of the crop: one cell
-DICE_WEIGHT, SEEN_WEIGHT, WHOLE_WEIGHT = 0.5, 0.3, 0.3
+DICE_WEIGHT, SEEN_WEIGHT, WHOLE_WEIGHT = 0.5, 0.3, 0.5
+LEFT_WEIGHT = 3.0  # of a left hand, which is rarer: the answer is to favour no side
 HIDDEN_WEIGHT = 0.35  # of a point that is hidden, against one that is seen
 
 
@@ -79,6 +80,6 @@ def _dice(logits: Tensor, shares: Tensor) -> Tensor:
 def _whole_loss(logits: Tensor, sample: Sample) -> Tensor:
     """Whether a bare hand is there; its side only where one is, most of whose points are seen."""
     bare = binary_cross_entropy_with_logits(logits[:, 0], sample.bare.float())
-    judged = (sample.bare & (sample.seen.float().mean(dim=1) > 0.3)).float()
+    judged = (sample.bare & (sample.seen.float().mean(dim=1) > 0.3)) * torch.where(sample.right, 1.0, LEFT_WEIGHT)
     side = binary_cross_entropy_with_logits(logits[:, 1], sample.right.float(), reduction="none")
     return bare + (side * judged).sum() / judged.sum().clamp_min(1.0)

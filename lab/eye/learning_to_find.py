@@ -1,10 +1,11 @@
 """What a finder of hands learns: in which cells they are, and how they lie there."""
 
 import math
+from dataclasses import dataclass
 
 import torch
 from torch import Tensor
-from torch.nn.functional import logsigmoid
+from torch.nn.functional import binary_cross_entropy_with_logits, logsigmoid
 
 from lab.eye.network import FinderNetwork
 from lab.eye.pictures.hands_in_rooms import CELL_PX, HEIGHT, WIDTH, FinderSample
@@ -13,19 +14,23 @@ COLUMNS, ROWS = WIDTH // CELL_PX, HEIGHT // CELL_PX
 SPREAD = 0.35  # of the heat about a hand's middle, in tenths of a metre there
 NARROWEST = 0.7  # cells
 NEAR = 1.6  # cells from the middle, within which a cell tells how the hand lies
-LIES_WEIGHT = 0.5
+LIES_WEIGHT, SIDE_WEIGHT = 0.5, 0.5
 
 
 def finder_losses(network: FinderNetwork, sample: FinderSample) -> dict[str, Tensor]:
-    """Compare a finder's answer with the truth: the losses of heat and of how hands lie."""
+    """Compare a finder's answer with the truth: the losses of heat, of which side hands are of and of how they lie."""
     answer = network(sample.picture).float()
     off = _offsets(sample.middle)  # (B, 2, 2, 36, 48)
     distance = off.norm(dim=2)
     heat = _heat(distance, sample)
     unclear = (sample.unclear[:, :, None, None] & (distance < 3.0 * _spread(sample))).any(dim=1, keepdim=True)
+    told = _Told.about(off, distance, sample)
+    lies = (answer[:, 2:] - told.lies).abs().sum(dim=1)
+    side = binary_cross_entropy_with_logits(answer[:, 1], told.right, reduction="none")
     return {
-        "heat": _focal(answer[:, :2], heat, unclear),
-        "lies": LIES_WEIGHT * _lies(answer[:, 2:], off, distance, sample),
+        "heat": _focal(answer[:, :1], heat, unclear),
+        "side": SIDE_WEIGHT * told.mean(side),
+        "lies": LIES_WEIGHT * told.mean(lies),
     }
 
 
@@ -42,12 +47,10 @@ def _spread(sample: FinderSample) -> Tensor:
 
 
 def _heat(distance: Tensor, sample: FinderSample) -> Tensor:
-    """What each cell is to say (B, 2, 36, 48) for right and left hands: 1 in their middle, less about it."""
+    """What each cell is to say (B, 1, 36, 48): 1 in a hand's middle, less about it."""
     each = torch.exp(-0.5 * (distance / _spread(sample)) ** 2) * sample.found[:, :, None, None]
     peak = (distance <= math.sqrt(0.5)) & (distance == distance.amin(dim=(2, 3), keepdim=True))
-    each = torch.where(peak & sample.found[:, :, None, None], 1.0, each.clamp_max(0.98))
-    right = sample.right[:, :, None, None]
-    return torch.stack([(each * right).amax(dim=1), (each * ~right).amax(dim=1)], dim=1)
+    return torch.where(peak & sample.found[:, :, None, None], 1.0, each.clamp_max(0.98)).amax(dim=1, keepdim=True)
 
 
 def _focal(logits: Tensor, heat: Tensor, unclear: Tensor) -> Tensor:
@@ -59,16 +62,27 @@ def _focal(logits: Tensor, heat: Tensor, unclear: Tensor) -> Tensor:
     return (missed.sum() + wrong.sum()) / peak.sum().clamp_min(1)
 
 
-def _lies(values: Tensor, off: Tensor, distance: Tensor, sample: FinderSample) -> Tensor:
-    """The errors of middle, direction and size, in cells near a hand; the nearer of two hands counts."""
-    nearest = distance.argmin(dim=1, keepdim=True)
-    asked = (distance < NEAR) & sample.found[:, :, None, None]
-    weight = asked.gather(1, nearest)[:, 0].float()
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """What cells near a hand are to tell of the nearest: `lies` (B, 5, 36, 48) and `right`, where `weight` is 1."""
 
-    def of_nearest(each: Tensor) -> Tensor:
-        spread = each if each.ndim == 5 else each[..., None, None].expand(-1, -1, -1, *distance.shape[2:])
-        return spread.gather(1, nearest[:, :, None].expand(-1, -1, spread.shape[2], -1, -1))[:, 0]
+    lies: Tensor
+    right: Tensor
+    weight: Tensor
 
-    truth = torch.cat([of_nearest(off), of_nearest(sample.direction), of_nearest(sample.size[..., None])], dim=1)
-    error = (values - truth).abs().sum(dim=1)
-    return (error * weight).sum() / weight.sum().clamp_min(1.0)
+    @classmethod
+    def about(cls, off: Tensor, distance: Tensor, sample: FinderSample) -> "_Told":
+        nearest = distance.argmin(dim=1, keepdim=True)
+
+        def of_nearest(each: Tensor) -> Tensor:
+            spread = each if each.ndim == 5 else each[..., None, None].expand(-1, -1, -1, *distance.shape[2:])
+            return spread.gather(1, nearest[:, :, None].expand(-1, -1, spread.shape[2], -1, -1))[:, 0]
+
+        asked = (distance < NEAR) & sample.found[:, :, None, None]
+        lies = [of_nearest(each) for each in (off, sample.direction, sample.size[..., None])]
+        right = of_nearest(sample.right.float()[..., None])[:, 0]
+        return cls(torch.cat(lies, dim=1), right, asked.gather(1, nearest)[:, 0].float())
+
+    def mean(self, error: Tensor) -> Tensor:
+        """Average errors (B, 36, 48) over the cells that tell something."""
+        return (error * self.weight).sum() / self.weight.sum().clamp_min(1.0)

@@ -4,8 +4,11 @@ import torch
 from torch import Tensor, nn
 
 from lab.eye.arms.poses import POINTS
+from lab.eye.arms.surface import CropKind
 from lab.eye.pictures.painting import CLASSES
 
+WIDTHS: dict[CropKind, int] = {"arm": 16, "hand": 20}  # of the trunks that are trained
+FINDER_WIDTH = 12
 COARSE_PX = 48  # the grid on which points are looked for
 OF_A_POINT = 6  # whitening (3), depth, the logarithm of its deviation, and whether it is seen
 
@@ -74,15 +77,15 @@ class FinderNetwork(nn.Module):
     """Looks at a whole picture for hands.
 
     Takes pictures (B, 3, 144, 192), RGB from -1 to 1. Gives of each cell of 4 × 4 px (B, 7, 36, 48) the logits that a
-    right and that a left hand's palm has its middle there; x, y to the middle in cells; the direction x, y from the
-    wrist to the knuckles; and the logarithm of what 0.1 m measure there in shares of the picture's width.
+    hand's palm has its middle there, and that it is a right one; x, y to the middle in cells; the direction x, y from
+    the wrist to the knuckles; and the logarithm of what 0.1 m measure there in shares of the picture's width.
     """
 
     def __init__(self, width: int) -> None:
         super().__init__()
         self.trunk = Trunk(width)
         self.cells = nn.Conv2d(2 * width, 7, 1)
-        nn.init.constant_(self.cells.bias[:2], -4.0)  # most cells have no hand
+        nn.init.constant_(self.cells.bias[:1], -4.0)  # most cells have no hand
 
     def forward(self, picture: Tensor) -> Tensor:
         """Look at pictures."""

@@ -20,7 +20,7 @@ OFF_AXIS = 0.55  # how far from the picture's middle, as a tangent
 TURN_DEG, LOST_TURN_DEG = 16.0, 80.0
 SHIFT, LOST_SHIFT = 0.09, 0.18  # of the crop's width
 GROWTH, LOST_GROWTH = 0.10, 0.30  # deviation of the size's logarithm
-LOST = 0.12  # the share of crops that lie badly
+LOST = 0.08  # the share of crops that lie badly
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.nn.functional import affine_grid, grid_sample
+from torch.nn.functional import grid_sample
 
 from lab.eye.pictures.random_tensors import Draw
 from lab.eye.pictures.skin_tones import MONK
@@ -34,21 +34,20 @@ class Rooms:
     """Draws backgrounds from tiles, on one device."""
 
     def __init__(self, tiles: Picture, device: torch.device) -> None:
-        self._tiles = torch.as_tensor(tiles, device=device).permute(0, 3, 1, 2).contiguous()
+        volume = torch.as_tensor(tiles, device=device).permute(3, 0, 1, 2)[None]
+        self._tiles = volume.contiguous().float() / 255.0  # (1, 3, N, H, W): cut-outs of any tiles in one call
         tones = np.array([[int(tone[k : k + 2], 16) for k in (0, 2, 4)] for tone in MONK])
         self._tones = torch.as_tensor(linear(tones), dtype=torch.float32, device=device)
 
     def backgrounds(self, size: int, draw: Draw) -> Tensor:
         """Draw backgrounds (B, 3, S, S), linear RGB: one material, or two with an edge between them."""
-        one, other = self._material(size, draw), self._material(size, draw)
+        one, other = self.materials(size, draw), self.materials(size, draw)
         cast = other * draw.uniform(0.5, 1.1, 1, 1, 1)
         return torch.where(_half_plane(size, draw) & draw.chance(0.6, 1, 1, 1), cast, one)
 
-    def _material(self, size: int, draw: Draw) -> Tensor:
-        tiles = self._tiles[draw.integers(len(self._tiles))].float() / 255.0
-        pixels = grid_sample(
-            tiles, random_windows(draw, (0.15, 0.9), size), padding_mode="reflection", align_corners=False
-        )
+    def materials(self, size: int, draw: Draw) -> Tensor:
+        """Draw materials (B, 3, S, S), linear RGB: cut-outs, some in a tone of skin, some plain."""
+        pixels = self._cut_outs(random_windows(draw, (0.15, 0.9), size), draw)
         light = pixels**2.2 * torch.exp(0.5 * draw.normal(1, 1, 1) + 0.15 * draw.normal(3, 1, 1))
         grey = light.mean(dim=1, keepdim=True)
         contrast = draw.uniform(0.2, 1.0, 1, 1, 1)
@@ -59,15 +58,23 @@ class Rooms:
         plain = light.mean(dim=(2, 3), keepdim=True) * draw.uniform(0.0, 1.0, 1, 1, 1)
         return torch.where(draw.chance(PLAIN, 1, 1, 1), plain, light).clamp(0.0, 1.5)
 
+    def _cut_outs(self, windows: Tensor, draw: Draw) -> Tensor:
+        """What windows (B, S, S, 2) of tiles show (B, 3, S, S), sRGB from 0 to 1."""
+        count = self._tiles.shape[2]
+        tile = (2.0 * draw.integers(count, 1, 1, 1) + 1.0) / count - 1.0  # where grid_sample has a tile's middle
+        grid = torch.cat([windows, tile.expand(-1, *windows.shape[1:3], 1)], dim=3)
+        return grid_sample(self._tiles, grid[None], padding_mode="reflection", align_corners=False)[0].transpose(0, 1)
+
 
 def random_windows(draw: Draw, zoom: tuple[float, float], size: int) -> Tensor:
     """Draw windows (B, S, S, 2) of pictures for grid_sample: this share of the width, anywhere, turned anyhow."""
     angle = draw.uniform(-math.pi, math.pi)
     scale = draw.uniform(*zoom)
-    cos, sin = scale * torch.cos(angle), scale * torch.sin(angle)
+    cos, sin = (scale * torch.cos(angle))[:, None, None], (scale * torch.sin(angle))[:, None, None]
     shift = draw.uniform(-1.0, 1.0, 2) * (1.0 - scale)[:, None].clamp_min(0.0)
-    rows = [torch.stack([cos, -sin, shift[:, 0]], dim=1), torch.stack([sin, cos, shift[:, 1]], dim=1)]
-    return affine_grid(torch.stack(rows, dim=1), [draw.count, 1, size, size], align_corners=False)
+    at = (2.0 * torch.arange(size, device=angle.device) + 1.0) / size - 1.0
+    x, y = at[None, None, :], at[None, :, None]
+    return torch.stack([cos * x - sin * y + shift[:, :1, None], sin * x + cos * y + shift[:, 1:, None]], dim=3)
 
 
 def _half_plane(size: int, draw: Draw) -> Tensor:

@@ -11,7 +11,7 @@ from lab.eye.arms.poses import INDEX_KNUCKLE, LITTLE_KNUCKLE, MIDDLE_KNUCKLE, WR
 from lab.eye.pictures.backgrounds import Picture, Rooms
 from lab.eye.pictures.painting import ArmLayer, ArmPainter
 from lab.eye.pictures.random_tensors import Draw
-from lab.eye.pictures.samples import scenes_per_arm
+from lab.eye.pictures.samples import SCENES_PER_ARM
 from lab.eye.pictures.scenes import BODY, THING_BEFORE, over, something
 from lab.eye.pictures.sensor import filmed
 
@@ -54,7 +54,6 @@ class FinderSource:
     """Makes batches on one device; the same ones for the same seed there."""
 
     def __init__(self, poses: PoseStore, tiles: Picture, device: torch.device, seed: int) -> None:
-        self._scenes_per_arm = scenes_per_arm(device)
         self._painter = ArmPainter(poses, "whole", device)
         self._rooms = Rooms(tiles, device)
         self._random = torch.Generator(device).manual_seed(seed)
@@ -62,9 +61,9 @@ class FinderSource:
     @torch.no_grad()
     def batch(self, count: int) -> FinderSample:
         """Make a batch of new samples, of a number that four divides."""
-        arms = Draw(max(count // self._scenes_per_arm, 1), self._random)
-        draw = Draw(arms.count * self._scenes_per_arm, self._random)
-        layer = self._painter.paint(arms).repeated(self._scenes_per_arm)
+        arms = Draw(max(count // SCENES_PER_ARM, 1), self._random)
+        draw = Draw(arms.count * SCENES_PER_ARM, self._random)
+        layer = self._painter.paint(arms).repeated(SCENES_PER_ARM)
         behind, before = _placed(layer, 1, SECOND, draw), _placed(layer, 0, FIRST, draw)
         colour = self._rooms.backgrounds(WIDTH, draw)
         colour = over(colour, *something(self._rooms, (0.3, 1.2), BODY, WIDTH, draw))

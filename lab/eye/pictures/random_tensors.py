@@ -23,6 +23,12 @@ class Draw:
         """Draw truths (B, *shape), of which this share holds."""
         return self.uniform(0.0, 1.0, *shape) < share
 
+    def some(self, share: float) -> tuple[Tensor, "Draw"]:
+        """Draw which samples, this share of them and at least one: their numbers (K,), and draws for these alone."""
+        count = max(round(share * self.count), 1)
+        which = torch.randperm(self.count, generator=self.random, device=self.random.device)[:count]
+        return which, Draw(count, self.random)
+
     def integers(self, below: int, *shape: int) -> Tensor:
         """Draw whole numbers (B, *shape) from 0 to below."""
         return torch.randint(below, (self.count, *shape), generator=self.random, device=self.random.device)

@@ -14,7 +14,8 @@ from lab.eye.pictures.random_tensors import Draw
 from lab.eye.pictures.scenes import ArmScene, composed, uncovered
 from lab.eye.pictures.sensor import filmed, random_borders
 
-MIRRORED = 0.12  # left arms: to be told from right ones, and nothing else is learned of them
+MIRRORED = 0.25  # left arms: to be told from right ones, and nothing else is learned of them
+SCENES_PER_ARM = 4  # an arm costs more than a room
 PARTS_COARSER = 2
 MARGIN = 0.02  # how far outside of the crop, in shares of its width, a point is still asked for
 
@@ -42,7 +43,6 @@ class SampleSource:
     """Makes batches on one device; the same ones for the same seed there."""
 
     def __init__(self, poses: PoseStore, tiles: Picture, kind: CropKind, device: torch.device, seed: int) -> None:
-        self._scenes_per_arm = scenes_per_arm(device)
         self._painter = ArmPainter(poses, kind, device)
         self._rooms = Rooms(tiles, device)
         self._random = torch.Generator(device).manual_seed(seed)
@@ -50,15 +50,10 @@ class SampleSource:
     @torch.no_grad()
     def batch(self, count: int) -> Sample:
         """Make a batch of new samples, of a number that four divides."""
-        arms = Draw(max(count // self._scenes_per_arm, 1), self._random)
-        draw = Draw(arms.count * self._scenes_per_arm, self._random)
-        scene = composed(self._painter.paint(arms).repeated(self._scenes_per_arm), self._rooms, draw)
+        arms = Draw(max(count // SCENES_PER_ARM, 1), self._random)
+        draw = Draw(arms.count * SCENES_PER_ARM, self._random)
+        scene = composed(self._painter.paint(arms).repeated(SCENES_PER_ARM), self._rooms, draw)
         return _sample(scene, filmed(scene.colour, draw), draw)
-
-
-def scenes_per_arm(device: torch.device) -> int:
-    """Tell over how many rooms each arm is laid: an arm costs more than a room, most of all without an accelerator."""
-    return 4 if device.type == "cpu" else 2
 
 
 def _sample(scene: ArmScene, picture: Tensor, draw: Draw) -> Sample:

@@ -65,21 +65,31 @@ def over(under: Tensor, colour: Tensor, coverage: Tensor) -> Tensor:
 def _in_motion(layer: ArmLayer, draw: Draw) -> tuple[Tensor, Tensor]:
     """The arms' colour and coverage, some blurred by their motion."""
     both = torch.cat([layer.colour, layer.coverage], dim=1)
-    both = torch.where(draw.chance(MOVING, 1, 1, 1), moved(both, draw, MOVING_PX), both)
+    which, some = draw.some(MOVING)
+    both = both.index_copy(0, which, moved(both[which], some, MOVING_PX))
     return both[:, :3], both[:, 3:]
 
 
 def _another(layer: ArmLayer, share: float, shift: int, draw: Draw) -> tuple[Tensor, Tensor]:
     """Another sample's arm, turned, larger or smaller, anywhere: colour and coverage, 0 where there is none."""
-    window = random_windows(draw, (0.7, 2.2), layer.colour.shape[2])
-    window = window + draw.uniform(-1.2, 1.2, 1, 1, 2)
-    both = torch.cat([layer.colour, layer.coverage], dim=1).roll(shift, dims=0)
-    moved = grid_sample(both, window, align_corners=False) * draw.chance(share, 1, 1, 1)
-    return moved[:, :3], moved[:, 3:]
+    which, some = draw.some(share)
+    window = random_windows(some, (0.7, 2.2), layer.colour.shape[2]) + some.uniform(-1.2, 1.2, 1, 1, 2)
+    theirs = (which + shift) % draw.count
+    both = torch.cat([layer.colour[theirs], layer.coverage[theirs]], dim=1)
+    placed = _alone(grid_sample(both, window, align_corners=False), which, draw.count)
+    return placed[:, :3], placed[:, 3:]
 
 
 def something(rooms: Rooms, extent: tuple[float, float], share: float, size: int, draw: Draw) -> tuple[Tensor, Tensor]:
     """Something with a smooth outline, of some material, of this extent in shares of half the width."""
+    which, some = draw.some(share)
+    coverage = _outlines(extent, size, some)
+    colour = rooms.materials(size, some) * coverage
+    return _alone(colour, which, draw.count), _alone(coverage, which, draw.count)
+
+
+def _outlines(extent: tuple[float, float], size: int, draw: Draw) -> Tensor:
+    """How much (B, 1, S, S) of each pixel something covers."""
     at = torch.linspace(-1.0, 1.0, size, device=draw.random.device)
     x, y = at[None, None, :], at[None, :, None]
     middle, radius = draw.uniform(-1.0, 1.0, 2, 1, 1), draw.uniform(*extent, 2, 1, 1)
@@ -88,19 +98,21 @@ def something(rooms: Rooms, extent: tuple[float, float], share: float, size: int
     inside = 1.0 - (
         ((x - middle[:, 0]) / radius[:, 0]).abs() ** power + ((y - middle[:, 1]) / radius[:, 1]).abs() ** power
     )
-    coverage = (12.0 * (inside + draw.uniform(0.0, 0.5, 1, 1) * waves)).clamp(0.0, 1.0)[:, None]
-    coverage = coverage * draw.chance(share, 1, 1, 1)
-    return rooms.backgrounds(size, draw) * coverage, coverage
+    return (12.0 * (inside + draw.uniform(0.0, 0.5, 1, 1) * waves)).clamp(0.0, 1.0)[:, None]
+
+
+def _alone(part: Tensor, which: Tensor, count: int) -> Tensor:
+    """What some samples (K, ...) have, among all (count, ...), the others of which have nothing."""
+    return torch.zeros(count, *part.shape[1:], device=part.device).index_copy(0, which, part)
 
 
 def _shadow(coverage: Tensor, draw: Draw) -> Tensor:
     """How much (B, 1, S, S) of the light the arm takes from what is behind it."""
-    shift = draw.uniform(-0.25, 0.25, 1, 1, 2)
+    which, some = draw.some(SHADOW)
     at = torch.linspace(-1.0, 1.0, coverage.shape[2], device=coverage.device)
-    grid = torch.stack(torch.meshgrid(at, at, indexing="xy"), dim=2)[None] + shift
-    moved = grid_sample(coverage, grid.expand(draw.count, -1, -1, -1), align_corners=True)
-    soft = blurred(moved, draw.uniform(1.0, 8.0))
-    return soft * draw.uniform(0.0, 0.7, 1, 1, 1) * draw.chance(SHADOW, 1, 1, 1)
+    grid = torch.stack(torch.meshgrid(at, at, indexing="xy"), dim=2)[None] + some.uniform(-0.25, 0.25, 1, 1, 2)
+    soft = blurred(grid_sample(coverage[which], grid, align_corners=True), some.uniform(1.0, 8.0))
+    return _alone(soft * some.uniform(0.0, 0.7, 1, 1, 1), which, draw.count)
 
 
 def uncovered(left: Tensor, points: Tensor) -> Tensor:

@@ -29,11 +29,13 @@ _CHROMINANCE = """
 def filmed(colour: Tensor, draw: Draw) -> Tensor:
     """Film scenes (B, 3, S, S), linear RGB: pictures (B, 3, S, S), sRGB from 0 to 1."""
     light = _exposed(colour, draw)
-    light = torch.where(draw.chance(SHAKEN, 1, 1, 1), moved(light, draw, SHAKEN_PX), light)
+    shaken, some = draw.some(SHAKEN)
+    light = light.index_copy(0, shaken, moved(light[shaken], some, SHAKEN_PX))
     light = blurred(light, draw.uniform(0.0, 1.0) ** 2 * FARTHEST_BLUR_PX)
     light = _with_few_pixels(light, draw)
     picture = _encoded(_noisy(light.clamp(0.0, 1.0), draw), draw)
-    picture = torch.where(draw.chance(COMPRESSED, 1, 1, 1), compressed(picture, draw.uniform(25.0, 96.0)), picture)
+    which, some = draw.some(COMPRESSED)
+    picture = picture.index_copy(0, which, compressed(picture[which], some.uniform(25.0, 96.0)))
     grey = picture.mean(dim=1, keepdim=True).expand(-1, 3, -1, -1)
     return torch.where(draw.chance(GREY, 1, 1, 1), grey, picture)
 

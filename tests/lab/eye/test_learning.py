@@ -77,6 +77,7 @@ def test_a_finder_that_is_right_costs_less(few_poses: PoseStore, few_tiles: Tile
     sample = FinderSource(few_poses, few_tiles, CPU, seed=2).batch(16)
     right, wrong = (finder_losses(_AnsweringFinder(sample, off), sample) for off in (0.0, 5.0))
     assert right["heat"] < wrong["heat"]
+    assert right["side"] < wrong["side"]
     assert right["lies"] < wrong["lies"]
 
 
@@ -93,13 +94,14 @@ class _AnsweringFinder(FinderNetwork):
 
 def _finder_answer(sample: FinderSample, off: float) -> Tensor:
     answer = torch.zeros(len(sample.middle), 7, 36, 48)
-    answer[:, :2] = -6.0
+    answer[:, :1] = -6.0
     for b, k in sample.found.nonzero().tolist():
         x, y = (sample.middle[b, k] + off).tolist()
         column, row = min(max(int(x), 0), 47), min(max(int(y), 0), 35)
-        answer[b, 0 if sample.right[b, k] else 1, row, column] = 6.0
+        answer[b, 0, row, column] = 6.0
         ys, xs = torch.meshgrid(torch.arange(36) + 0.5, torch.arange(48) + 0.5, indexing="ij")
         near = ((xs - x) ** 2 + (ys - y) ** 2) < 4.0
+        answer[b, 1][near] = 6.0 if sample.right[b, k] else -6.0
         answer[b, 2][near], answer[b, 3][near] = (x - xs)[near], (y - ys)[near]
         answer[b, 4:6, near] = sample.direction[b, k][:, None]
         answer[b, 6][near] = sample.size[b, k]
@@ -120,7 +122,7 @@ def test_the_loss_falls(source: SampleSource, sample: Sample, tmp_path: Path) ->
 def test_a_training_goes_on_where_it_was(sample: Sample, tmp_path: Path) -> None:
     path = tmp_path / "eye" / "hand.pt"
     first = Training(EyeNetwork(4), lambda _: sample, eye_losses, path, CPU)
-    first.run(seconds=1e-9, batch=8)
+    first.run(seconds=1e-9, batch=2)
     again = Training(EyeNetwork(4), lambda _: sample, eye_losses, path, CPU)
     assert again.progress == first.progress
     assert again.progress.images == 8
