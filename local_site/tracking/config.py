@@ -26,6 +26,15 @@ class LearnedConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     right_arm: Annotated[bool, Meta(description="which arm is tracked; a hand of the other side is refused")] = True
 
 
+class EyeConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How the tracker by networks learns a body, and which arm it tracks."""
+
+    initial_pairs: Annotated[
+        int, Meta(ge=5, le=1000, description="pairs of images from which side and lengths of the arm are learned")
+    ] = 10
+    right_arm: Annotated[bool, Meta(description="which arm is tracked; a hand of the other side is refused")] = True
+
+
 class MarkersConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How bright the markers are, how the tracker learns their distances, and what an open hand is."""
 

@@ -1,0 +1,175 @@
+"""The tracker by networks: they say where the arm is in every view, and one fit says where its points are in space."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from common.clock import NS_PER_S
+from common.geometry import Array
+from common.messages.hand import TrackingStatus
+from local_site.calibration.rig import Rig
+from local_site.tracking.config import EyeConfig
+from local_site.tracking.eye.arm_points import ELBOW, INDEX_TIP, POINTS, THUMB_TIP, WRIST
+from local_site.tracking.eye.fitted_points import Expected, FittedPoints, Lengths, fit_points
+from local_site.tracking.eye.hand_posture import HandPosture
+from local_site.tracking.eye.hand_search import HandSearch
+from local_site.tracking.eye.networks import EyeNetworks
+from local_site.tracking.eye.view_sight import ViewEye, ViewSight, blended
+from local_site.tracking.features.view_meter import picture_problem
+from local_site.tracking.tracker import ArmEstimate, FrameCache, Overlay, TrackingReason, Views
+
+MIN_VIEWS = 2
+START_SIGMA_M, START_LOOKS = 0.12, 3
+STEP_M, ACCELERATION_M_S2 = 0.006, 40.0  # how far a point is from where it was expected
+LONGEST_S = 0.2  # of a loss of pictures, after which the hand is searched
+BARE, NOT_BARE, OTHER_SIDE = 0.5, 0.25, 0.2
+MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 3, 3.0, 6.0
+MOST_SIGMA_M, MOST_ELBOW_SIGMA_M = 0.03, 0.05
+PATIENCE = 5  # instants in which nothing like a hand is seen, after which it is lost
+POINT_NAMES = {"wrist": WRIST, "index": INDEX_TIP, "thumb": THUMB_TIP}
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    t_ns: int
+    points: Array
+    velocity: Array
+
+
+class EyeTracker:
+    """Tracks a bare arm before any background, from two views on."""
+
+    def __init__(self, rig: Rig, config: EyeConfig | None = None) -> None:
+        self._rig, config = rig, config or EyeConfig()
+        networks = EyeNetworks()
+        self._needed = config.initial_pairs
+        self._eyes = [ViewEye(camera, networks, right_arm=config.right_arm) for camera in rig.cameras]
+        self._frames: list[FrameCache[ViewSight]] = [FrameCache(blended) for _ in rig.cameras]
+        self._search = HandSearch(rig, networks)
+        self._lengths, self._posture = Lengths.unknown(), HandPosture()
+        self._last: _Seen | None = None
+        self._pairs = self._unseen = 0
+        self._side = 0.5
+
+    def track(self, views: Views) -> ArmEstimate:
+        """The arm at the views' instant; a frame that cannot be tracked gives the reason."""
+        problem = self._problem(views)
+        if problem:
+            return self._lost(views, problem)
+        if self._last is not None and views.t_ns - self._last.t_ns > LONGEST_S * NS_PER_S:
+            self._forget()
+        sights, fit = self._follow(views, self._last) if self._last is not None else self._begin(views)
+        if fit is None:
+            return self._lost(views, TrackingReason.NO_HAND)
+        self._side += 0.1 * (float(np.mean([sight.right for sight in sights])) - self._side)
+        self._unseen = self._unseen + 1 if self._is_doubtful(sights, fit) else 0
+        if self._unseen > PATIENCE or not np.isfinite(fit.points).all():
+            return self._lost(views, TrackingReason.NO_HAND)
+        self._keep(views.t_ns, fit)
+        return self._estimate(views.t_ns, sights, fit)
+
+    def _problem(self, views: Views) -> str:
+        if len(views.views) != len(self._rig.cameras) or len(views.views) < MIN_VIEWS:
+            return f"{len(views.views)} views for {len(self._rig.cameras)} calibrated cameras"
+        problems = [
+            f"{camera.name}: {problem}"
+            for camera, view in zip(self._rig.cameras, views.views, strict=True)
+            for frame in (view.current, view.previous or view.current)
+            if (problem := picture_problem(frame.image, camera))
+        ]
+        return "; ".join(dict.fromkeys(problems))
+
+    def _begin(self, views: Views) -> tuple[list[ViewSight], FittedPoints | None]:
+        """Search for a hand, and look at it more and more closely."""
+        starts = self._search.starts([view.current.image for view in views.views])
+        for start in [points for points in starts if self._rig.contains(points[WRIST])][:MOST_STARTS]:
+            points = start
+            for _ in range(START_LOOKS):
+                sights = [eye.look(view.current, points) for eye, view in zip(self._eyes, views.views, strict=True)]
+                fit = self._fitted(sights, Expected(points, np.full(POINTS, START_SIGMA_M)))
+                points = fit.points
+            if self._is_arm(sights, fit):
+                return sights, fit
+        return [], None
+
+    def _is_arm(self, sights: Sequence[ViewSight], fit: FittedPoints) -> bool:
+        """Return whether all views see a bare hand, the same one, where the cameras were calibrated."""
+        bare = min(sight.bare for sight in sights) > BARE
+        return bare and fit.misfit < BEGUN_MISFIT and self._rig.contains(fit.points[WRIST])
+
+    def _follow(self, views: Views, last: _Seen) -> tuple[list[ViewSight], FittedPoints]:
+        ahead_s = (views.t_ns - last.t_ns) / NS_PER_S
+        points = last.points + ahead_s * last.velocity
+        sights = []
+        for eye, frames, view in zip(self._eyes, self._frames, views.views, strict=True):
+            sight = frames.at(view, partial(eye.look, points=points))
+            assert not isinstance(sight, str)
+            sights.append(sight)
+        sigma = STEP_M + 0.5 * ACCELERATION_M_S2 * ahead_s**2
+        return sights, self._fitted(sights, Expected(points, np.full(POINTS, sigma)))
+
+    def _fitted(self, sights: Sequence[ViewSight], expected: Expected) -> FittedPoints:
+        seen = [sight.of(matrix) for sight, matrix in zip(sights, self._rig.matrices, strict=True)]
+        return fit_points(seen, expected, self._lengths)
+
+    def _is_doubtful(self, sights: Sequence[ViewSight], fit: FittedPoints) -> bool:
+        return float(np.mean([sight.bare for sight in sights])) < NOT_BARE or fit.misfit > MOST_MISFIT
+
+    def _keep(self, t_ns: int, fit: FittedPoints) -> None:
+        velocity = np.zeros((POINTS, 3))
+        if self._last is not None and t_ns > self._last.t_ns:
+            velocity = (fit.points - self._last.points) * NS_PER_S / (t_ns - self._last.t_ns)
+        self._last = _Seen(t_ns, fit.points, velocity)
+        if not self._unseen:
+            self._pairs += 1
+            self._lengths = self._lengths.learned(fit.length_m, fit.length_sigma_m)
+
+    def _estimate(self, t_ns: int, sights: Sequence[ViewSight], fit: FittedPoints) -> ArmEstimate:
+        points = {name: fit.points[k] for name, k in POINT_NAMES.items()}
+        covariances = {name: fit.covariances[k] for name, k in POINT_NAMES.items()}
+        reasons = [TrackingReason.HAND_UNCLEAR] if self._unseen or _sigma(covariances["wrist"]) > MOST_SIGMA_M else []
+        if not self._rig.contains(points["wrist"]):
+            reasons.append(TrackingReason.OUTSIDE_VOLUME)
+        if self._pairs >= self._needed and self._side < OTHER_SIDE:
+            reasons.append(TrackingReason.OTHER_SIDE)
+        if _sigma(fit.covariances[ELBOW]) < MOST_ELBOW_SIGMA_M:
+            points["elbow"], covariances["elbow"] = fit.points[ELBOW], fit.covariances[ELBOW]
+        status = TrackingStatus.LOST if reasons else TrackingStatus.TRACKED
+        if not reasons and self._pairs < self._needed:
+            status, reasons = TrackingStatus.INITIALISING, [TrackingReason.LEARNING]
+        open_hand, together = self._posture.update(fit.points)
+        return ArmEstimate(
+            t_ns,
+            status,
+            "; ".join(reasons),
+            **points,
+            thumb_inferred=False,
+            hand_open=open_hand and status is TrackingStatus.TRACKED,
+            fingers_together=together,
+            overlays=self._overlays(sights, points),
+            covariances=covariances,
+            residual_px=None,
+        )
+
+    def _overlays(self, sights: Sequence[ViewSight], points: dict[str, Array]) -> tuple[Overlay, ...]:
+        overlays = []
+        for eye, sight in zip(self._eyes, sights, strict=True):
+            at = {name: eye.in_picture(point) for name, point in points.items()}
+            overlays.append(Overlay(contour=sight.contour, **at))
+        return tuple(overlays)
+
+    def _forget(self) -> None:
+        self._last, self._unseen, self._side = None, 0, 0.5
+        self._pairs = 0
+        self._posture = HandPosture()
+
+    def _lost(self, views: Views, reason: str) -> ArmEstimate:
+        self._forget()
+        return ArmEstimate(views.t_ns, TrackingStatus.LOST, reason)
+
+
+def _sigma(covariance: Array) -> float:
+    """The greatest standard deviation in m of a covariance (3, 3)."""
+    return float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))
