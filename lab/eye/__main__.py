@@ -1,4 +1,4 @@
-"""Trains the eye's networks from nothing: `python -m lab.eye train hand --hours 3`."""
+"""Trains the eye's networks from nothing, and exports them: `python -m lab.eye train hand --hours 3`."""
 
 import argparse
 import os
@@ -29,7 +29,7 @@ def main() -> None:
     """Read the command line and do what it asks."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")  # of the processes that draw poses: there is one for each core
     parser = argparse.ArgumentParser(prog="python -m lab.eye", description=__doc__)
-    parser.add_argument("command", choices=["draw", "train", "judge"])
+    parser.add_argument("command", choices=["draw", "train", "judge", "export"])
     parser.add_argument("kind", choices=["arm", "hand", "finder"], nargs="?", default="arm")
     parser.add_argument("--hours", type=float, default=3.0, help="how long to train, what was trained before included")
     parser.add_argument("--go-on", action="store_true", help="begin with the weights in lab/eye, not from nothing")
@@ -37,6 +37,9 @@ def main() -> None:
     parser.add_argument("--bodies", type=int, default=BODIES, help="how many bodies are drawn, each in 100 postures")
     parser.add_argument("--batch", type=int, default=0, help="pictures at a time; 128 on an accelerator, else 24")
     arguments = parser.parse_args()
+    if arguments.command == "export":
+        _export()
+        return
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     arguments.batch = arguments.batch or (128 if device.type == "cuda" else 24)
     poses = _poses(arguments.folder, arguments.bodies, LEARNING_SEED)
@@ -73,6 +76,12 @@ def _train_finder(arguments: argparse.Namespace, poses: PoseStore, device: torch
     held_out = _poses(folder, HELD_OUT_BODIES, JUDGING_SEED)
     unseen = FinderSource(held_out, _tiles(JUDGING_SEED), device, JUDGING_SEED)
     _tell(judge_finder(training.averaged, unseen, JUDGED_BATCHES, arguments.batch).text(), folder / "finder.json")
+
+
+def _export() -> None:
+    from lab.eye.exporting import export_all  # noqa: PLC0415  # a machine that only trains need not have ONNX
+
+    export_all()
 
 
 def _tell(text: str, path: Path) -> None:
