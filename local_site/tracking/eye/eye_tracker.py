@@ -13,7 +13,6 @@ from local_site.calibration.rig import Rig
 from local_site.tracking.config import EyeConfig
 from local_site.tracking.eye.arm_points import ELBOW, INDEX_TIP, POINTS, THUMB_TIP, WRIST
 from local_site.tracking.eye.fitted_points import Expected, FittedPoints, Lengths, fit_points
-from local_site.tracking.eye.hand_posture import HandPosture
 from local_site.tracking.eye.hand_search import HandSearch
 from local_site.tracking.eye.networks import EyeNetworks
 from local_site.tracking.eye.view_sight import ViewEye, ViewSight, blended
@@ -24,10 +23,12 @@ MIN_VIEWS = 2
 START_SIGMA_M, START_LOOKS = 0.12, 3
 STEP_M, ACCELERATION_M_S2 = 0.006, 40.0  # how far a point is from where it was expected
 LONGEST_S = 0.2  # of a loss of pictures, after which the hand is searched
-BARE, NOT_BARE, OTHER_SIDE = 0.5, 0.25, 0.2
+BARE, OPERATORS, MOST_SPREAD_M = 0.5, 0.7, 0.022  # of a hand to begin with
+NOT_BARE, OTHER_SIDE = 0.25, 0.2
 MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 3, 3.0, 6.0
 MOST_SIGMA_M, MOST_ELBOW_SIGMA_M = 0.03, 0.05
 PATIENCE = 5  # instants in which nothing like a hand is seen, after which it is lost
+BIAS_M, ELBOW_BIAS_M = 0.006, 0.015  # by which a network errs in all pictures of a hand alike
 POINT_NAMES = {"wrist": WRIST, "index": INDEX_TIP, "thumb": THUMB_TIP}
 
 
@@ -48,9 +49,9 @@ class EyeTracker:
         self._eyes = [ViewEye(camera, networks, right_arm=config.right_arm) for camera in rig.cameras]
         self._frames: list[FrameCache[ViewSight]] = [FrameCache(blended) for _ in rig.cameras]
         self._search = HandSearch(rig, networks)
-        self._lengths, self._posture = Lengths.unknown(), HandPosture()
+        self._lengths = Lengths.unknown()
         self._last: _Seen | None = None
-        self._pairs = self._unseen = 0
+        self._pairs = self._unseen = self._turn = 0
         self._side = 0.5
 
     def track(self, views: Views) -> ArmEstimate:
@@ -63,7 +64,7 @@ class EyeTracker:
         sights, fit = self._follow(views, self._last) if self._last is not None else self._begin(views)
         if fit is None:
             return self._lost(views, TrackingReason.NO_HAND)
-        self._side += 0.1 * (float(np.mean([sight.right for sight in sights])) - self._side)
+        self._side += 0.1 * (float(np.mean([sight.side for sight in sights])) - self._side)
         self._unseen = self._unseen + 1 if self._is_doubtful(sights, fit) else 0
         if self._unseen > PATIENCE or not np.isfinite(fit.points).all():
             return self._lost(views, TrackingReason.NO_HAND)
@@ -95,16 +96,20 @@ class EyeTracker:
         return [], None
 
     def _is_arm(self, sights: Sequence[ViewSight], fit: FittedPoints) -> bool:
-        """Return whether all views see a bare hand, the same one, where the cameras were calibrated."""
-        bare = min(sight.bare for sight in sights) > BARE
-        return bare and fit.misfit < BEGUN_MISFIT and self._rig.contains(fit.points[WRIST])
+        """Return whether the views are sure of a bare hand of the operator's side, where the cameras were calibrated."""
+        bare = min(sight.bare for sight in sights)
+        side = float(np.mean([sight.side for sight in sights]))
+        spread_m = float(np.sqrt(np.median(np.trace(fit.covariances[WRIST:], axis1=1, axis2=2))))
+        is_sure = bare > BARE and side > OPERATORS and spread_m < MOST_SPREAD_M and fit.misfit < BEGUN_MISFIT
+        return is_sure and self._rig.contains(fit.points[WRIST])
 
     def _follow(self, views: Views, last: _Seen) -> tuple[list[ViewSight], FittedPoints]:
         ahead_s = (views.t_ns - last.t_ns) / NS_PER_S
         points = last.points + ahead_s * last.velocity
         sights = []
-        for eye, frames, view in zip(self._eyes, self._frames, views.views, strict=True):
-            sight = frames.at(view, partial(eye.look, points=points))
+        self._turn = (self._turn + 1) % len(self._eyes)
+        for k, (eye, frames, view) in enumerate(zip(self._eyes, self._frames, views.views, strict=True)):
+            sight = frames.at(view, partial(eye.look, points=points, whole_arm=k == self._turn))
             assert not isinstance(sight, str)
             sights.append(sight)
         sigma = STEP_M + 0.5 * ACCELERATION_M_S2 * ahead_s**2
@@ -128,29 +133,25 @@ class EyeTracker:
 
     def _estimate(self, t_ns: int, sights: Sequence[ViewSight], fit: FittedPoints) -> ArmEstimate:
         points = {name: fit.points[k] for name, k in POINT_NAMES.items()}
-        covariances = {name: fit.covariances[k] for name, k in POINT_NAMES.items()}
+        covariances = {name: fit.covariances[k] + BIAS_M**2 * np.eye(3) for name, k in POINT_NAMES.items()}
         reasons = [TrackingReason.HAND_UNCLEAR] if self._unseen or _sigma(covariances["wrist"]) > MOST_SIGMA_M else []
         if not self._rig.contains(points["wrist"]):
             reasons.append(TrackingReason.OUTSIDE_VOLUME)
         if self._pairs >= self._needed and self._side < OTHER_SIDE:
             reasons.append(TrackingReason.OTHER_SIDE)
         if _sigma(fit.covariances[ELBOW]) < MOST_ELBOW_SIGMA_M:
-            points["elbow"], covariances["elbow"] = fit.points[ELBOW], fit.covariances[ELBOW]
+            points["elbow"] = fit.points[ELBOW]
+            covariances["elbow"] = fit.covariances[ELBOW] + ELBOW_BIAS_M**2 * np.eye(3)
         status = TrackingStatus.LOST if reasons else TrackingStatus.TRACKED
         if not reasons and self._pairs < self._needed:
             status, reasons = TrackingStatus.INITIALISING, [TrackingReason.LEARNING]
-        open_hand, together = self._posture.update(fit.points)
         return ArmEstimate(
             t_ns,
             status,
             "; ".join(reasons),
             **points,
-            thumb_inferred=False,
-            hand_open=open_hand and status is TrackingStatus.TRACKED,
-            fingers_together=together,
             overlays=self._overlays(sights, points),
             covariances=covariances,
-            residual_px=None,
         )
 
     def _overlays(self, sights: Sequence[ViewSight], points: dict[str, Array]) -> tuple[Overlay, ...]:
@@ -163,7 +164,6 @@ class EyeTracker:
     def _forget(self) -> None:
         self._last, self._unseen, self._side = None, 0, 0.5
         self._pairs = 0
-        self._posture = HandPosture()
 
     def _lost(self, views: Views, reason: str) -> ArmEstimate:
         self._forget()

@@ -22,13 +22,12 @@ SHARPEST = 7.0  # the logarithm of the greatest whitening: a deviation of 1/1000
 class CropAnswer:
     """What a network finds in a crop, lengths in shares of its width.
 
-    `points` (22, 2), their `covariances` (22, 2, 2), and how probably each is `seen` (22,); the logits of the `parts`
-    (5, 96, 96): other things, hand, forearm, upper arm, cloth; how probably there is a `bare` hand, and a `right` one.
+    `points` (22, 2) and their `covariances` (22, 2, 2); the logits of the `parts` (5, 96, 96): other things, hand,
+    forearm, upper arm, cloth; how probably there is a `bare` hand, and a `right` one (a left one, if mirrored).
     """
 
     points: Array
     covariances: Array
-    seen: Array
     parts: NDArray[np.float32]
     bare: float
     right: float
@@ -64,7 +63,7 @@ def _answer(parts: NDArray[np.float32], points: Array, whole: Array, *, mirrored
         at[:, 0] = 1.0 - at[:, 0]
         covariances = covariances * np.array([[1.0, -1.0], [-1.0, 1.0]])
     bare, right = sigmoid(whole.astype(np.float64)).tolist()
-    return CropAnswer(at, covariances, sigmoid(points[:, 7]), parts, bare, right)
+    return CropAnswer(at, covariances, parts, bare, right)
 
 
 def _covariances(whitening: Array) -> Array:

@@ -25,14 +25,13 @@ MASK_PX = 96
 @dataclass(frozen=True, slots=True)
 class ViewSight:
     """An arm in one picture: undistorted `pixels` (22, 2) with covariances (22, 2, 2) in px², infinite where nothing is
-    told; how probably each is `seen` (22,), and that it is a `bare` and a `right` hand; the outline (N, 2) in px of the
-    camera's own picture."""
+    told; how probably it is a `bare` hand, and one of the operator's `side`; the outline (N, 2) in px of the camera's
+    own picture."""
 
     pixels: Array
     covariances: Array
-    seen: Array
     bare: float
-    right: float
+    side: float
     contour: NDArray[np.int32] | None
 
     def of(self, projection: Array) -> PointSight:
@@ -55,29 +54,29 @@ class ViewEye:
         pixel: Array = self.camera.distort_pixels(project(self.camera.matrix, point))
         return pixel
 
-    def look(self, frame: Frame, points: Array) -> ViewSight:
-        """See the arm where its points (22, 3) in m are expected: elbow and wrist in a wide crop, the hand in a narrow.
+    def look(self, frame: Frame, points: Array, *, whole_arm: bool = True) -> ViewSight:
+        """See the hand where its points (22, 3) in m are expected and, if the `whole_arm` is asked for, elbow and wrist.
 
-        A point outside of its crop, or at its edge, tells nothing.
+        That takes a second, wider crop. A point outside of its crop, or at its edge, tells nothing.
         """
         picture = _colour(frame.image)
         at = self.camera.distort_pixels(project(self.camera.matrix, points))
         px_per_m = float(np.linalg.norm(image_of(self.camera.matrix, points[WRIST])[1], 2))
         up = at[MIDDLE_KNUCKLE] - at[WRIST]
-        wide = crop_about(at[WRIST], up, ARM_M * px_per_m)
         narrow = crop_about(at[list(KNUCKLES)].mean(axis=0), up, HAND_M * px_per_m)
-        arm = self._networks.look("arm", wide.cut(picture), mirrored=self._mirrored)
         hand = self._networks.look("hand", narrow.cut(picture), mirrored=self._mirrored)
         pixels, covariances = self._in_picture(narrow, hand)
+        covariances[ELBOW] = np.inf  # it lies outside of the hand's crop, where the network was never asked for it
+        if not whole_arm:
+            return ViewSight(pixels, covariances, hand.bare, hand.right, _contour(narrow, hand))
+        wide = crop_about(at[WRIST], up, ARM_M * px_per_m)
+        arm = self._networks.look("arm", wide.cut(picture), mirrored=self._mirrored)
         of_arm, arm_covariances = self._in_picture(wide, arm)
-        pixels[ELBOW], covariances[ELBOW] = of_arm[ELBOW], arm_covariances[ELBOW]
-        pixels[WRIST], covariances[WRIST] = _joined(
-            (pixels[WRIST], covariances[WRIST]), (of_arm[WRIST], arm_covariances[WRIST])
-        )
-        seen = hand.seen.copy()
-        seen[ELBOW] = arm.seen[ELBOW]
-        side = hand.right if not self._mirrored else 1.0 - hand.right
-        return ViewSight(pixels, covariances, seen, hand.bare, side, _contour(wide, arm))
+        for point in (ELBOW, WRIST):
+            pixels[point], covariances[point] = _joined(
+                (pixels[point], covariances[point]), (of_arm[point], arm_covariances[point])
+            )
+        return ViewSight(pixels, covariances, hand.bare, hand.right, _contour(wide, arm))
 
     def _in_picture(self, crop: PictureCrop, answer: CropAnswer) -> tuple[Array, Array]:
         pixels = self.camera.undistort_pixels(crop.in_picture(answer.points))
@@ -91,17 +90,17 @@ class ViewEye:
 def blended(before: ViewSight, after: ViewSight, weight: float) -> ViewSight:
     """The arm between two exposures, by the weight of the second."""
     pixels = (1.0 - weight) * before.pixels + weight * after.pixels
-    return ViewSight(pixels, after.covariances, after.seen, after.bare, after.right, after.contour)
+    return ViewSight(pixels, after.covariances, after.bare, after.side, after.contour)
 
 
 def _joined(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Two observations (2,) of a point with covariances (2, 2), as one; infinite ones tell nothing."""
-    informations = [np.linalg.inv(c) if np.isfinite(c).all() else np.zeros((2, 2)) for _, c in (one, other)]
-    total = informations[0] + informations[1]
-    if not total.any():
+    """Join two observations (2,) of a point with covariances (2, 2); infinite ones tell nothing."""
+    if not np.isfinite(other[1]).all():
         return one
-    covariance = np.asarray(np.linalg.inv(total))
-    return covariance @ (informations[0] @ one[0] + informations[1] @ other[0]), covariance
+    if not np.isfinite(one[1]).all():
+        return other
+    gain = one[1] @ np.linalg.inv(one[1] + other[1])
+    return one[0] + gain @ (other[0] - one[0]), one[1] - gain @ one[1]
 
 
 def _contour(crop: PictureCrop, answer: CropAnswer) -> NDArray[np.int32] | None:
