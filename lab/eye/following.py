@@ -1,49 +1,21 @@
 """An arm followed through a film by the networks alone, from a first place that is given: no fit, no dynamics."""
 
-from dataclasses import dataclass
-
-import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
 from common.geometry import Array
-from lab.eye.arms.poses import INDEX_KNUCKLE, LITTLE_KNUCKLE, MIDDLE_KNUCKLE, WRIST
 from lab.eye.arms.surface import CropKind
 from lab.eye.arms.views import CROP_M
 from lab.eye.network import EyeNetwork
-from lab.eye.pictures.painting import SIZE
 from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.calibration.triangulation import image_of, project, triangulate_many
+from local_site.tracking.eye.arm_points import INDEX_KNUCKLE, LITTLE_KNUCKLE, MIDDLE_KNUCKLE, WRIST
+from local_site.tracking.eye.crops import crop_about
 
 Picture = NDArray[np.uint8]
 KNUCKLES = [INDEX_KNUCKLE, MIDDLE_KNUCKLE, LITTLE_KNUCKLE]
 PALM_M = 0.09  # from the wrist to the knuckles, where only the fingertips are known
-
-
-@dataclass(frozen=True, slots=True)
-class PictureCrop:
-    """A crop: the map (2, 3) from px of the camera's picture to px of the crop."""
-
-    to_crop: Array
-
-    def cut(self, picture: Picture) -> Picture:
-        """Cut the crop (192, 192, 3) out of a picture (H, W, 3); black where it reaches beyond."""
-        shrinks = np.linalg.det(self.to_crop[:, :2]) < 1.0
-        flags = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
-        return np.asarray(cv2.warpAffine(picture, self.to_crop, (SIZE, SIZE), flags=flags), np.uint8)
-
-    def in_picture(self, shares: Array) -> Array:
-        """Map points (N, 2) in shares of the crop's width to px of the picture."""
-        pixels: Array = (SIZE * shares - self.to_crop[:, 2]) @ np.linalg.inv(self.to_crop[:, :2]).T
-        return pixels
-
-
-def crop_about(middle: Array, up: Array, width_px: float) -> PictureCrop:
-    """Make the crop about a pixel (2,), this wide in the picture, in which a direction (2,) points up."""
-    angle, scale = np.arctan2(up[0], -up[1]), SIZE / width_px
-    turn = scale * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-    return PictureCrop(np.column_stack([turn, 0.5 * SIZE - turn @ middle]))
 
 
 def begun_at(wrist: Array, index: Array, elbow: Array) -> Array:

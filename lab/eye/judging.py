@@ -7,7 +7,6 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-from lab.eye.arms.poses import POINTS
 from lab.eye.arms.surface import CropKind
 from lab.eye.arms.views import CROP_M
 from lab.eye.learning import whitened
@@ -15,6 +14,7 @@ from lab.eye.network import EyeNetwork
 from lab.eye.pictures.painting import CLASSES, OTHER
 from lab.eye.pictures.samples import Sample, SampleSource
 from lab.eye.pictures.skin_tones import TONES
+from local_site.tracking.eye.arm_points import POINTS
 
 TONE_GROUPS = 5
 CHI2_95 = 5.991  # of two degrees of freedom

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from common.geometry import Array
-from lab.eye.arms.poses import ELBOW, INDEX_TIP, THUMB_TIP, WRIST
 from lab.eye.arms.surface import CropKind
 from lab.eye.following import EyeFollower, begun_at
 from lab.eye.network import EyeNetwork
 from lab.eye.trained import trained_networks
 from lab.films.film import TrackingFilm
 from lab.films.listing import composed_films, right_arm_films
+from local_site.tracking.eye.arm_points import ELBOW, INDEX_TIP, THUMB_TIP, WRIST
 
 LOST_M = 0.08  # the wrist is farther off than half a hand's width: the crops show something else
 EVERY = 2  # of the instants

@@ -3,9 +3,9 @@
 import torch
 from torch import Tensor, nn
 
-from lab.eye.arms.poses import POINTS
 from lab.eye.arms.surface import CropKind
 from lab.eye.pictures.painting import CLASSES
+from local_site.tracking.eye.arm_points import POINTS
 
 WIDTHS: dict[CropKind, int] = {"arm": 16, "hand": 20}  # of the trunks that are trained
 FINDER_WIDTH = 12

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, TypeVar
 
 import torch
 from torch import Tensor, nn
@@ -17,7 +17,15 @@ TRAINED_RATE = 1e-3  # of a network that was trained before
 WARM_UP = 0.02  # of the time, in which the rate rises
 REMEMBERED = 0.999  # of the averaged weights, at each step
 Network = TypeVar("Network", bound=nn.Module)
-Batch = TypeVar("Batch")
+
+
+class _Record(Protocol):
+    """A dataclass, of tensors."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
+
+
+Batch = TypeVar("Batch", bound=_Record)
 
 SAVED_EVERY_S, TOLD_EVERY = 60.0, 20
 STEPS_AT_ONCE = 4  # batches that are drawn together, which costs less than to draw each

@@ -6,7 +6,7 @@ import msgspec
 from msgspec import Meta, field
 
 from local_site.calibration.rig import Rig
-from local_site.tracking.config import LearnedConfig, MarkersConfig, MonocularConfig, SilhouetteConfig
+from local_site.tracking.config import EyeConfig, LearnedConfig, MarkersConfig, MonocularConfig, SilhouetteConfig
 from local_site.tracking.registry import Option, TrackerHost, tracker_kind, tracker_names
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import Tracker
@@ -19,11 +19,13 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         str,
         Meta(
             description="silhouette: a bare arm before a dark wall; learned: one in an ordinary room, in colour; "
-            "markers: three bright markers on a dark glove; monocular: one camera; or an installed tracker"
+            "eye: the same by networks of Farhand's own, no open hand is told; markers: three bright markers on a dark "
+            "glove; monocular: one camera; or an installed tracker"
         ),
     ] = "silhouette"
     silhouette: SilhouetteConfig = field(default_factory=SilhouetteConfig)
     learned: LearnedConfig = field(default_factory=LearnedConfig)
+    eye: EyeConfig = field(default_factory=EyeConfig)
     markers: MarkersConfig = field(default_factory=MarkersConfig)
     monocular: MonocularConfig = field(default_factory=MonocularConfig)
     options: Annotated[dict[str, Option], Meta(description="the options of an installed tracker, by its own keys")] = (

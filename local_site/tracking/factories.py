@@ -5,7 +5,8 @@ from typing import TypeVar
 import msgspec
 
 from common.errors import ConfigError
-from local_site.tracking.config import LearnedConfig, MarkersConfig, MonocularConfig, SilhouetteConfig
+from local_site.tracking.config import EyeConfig, LearnedConfig, MarkersConfig, MonocularConfig, SilhouetteConfig
+from local_site.tracking.eye.eye_tracker import EyeTracker
 from local_site.tracking.learned.learned_tracker import LearnedTracker
 from local_site.tracking.markers.marker_tracker import MarkerTracker
 from local_site.tracking.monocular.monocular_tracker import MonocularTracker
@@ -29,6 +30,11 @@ silhouette = TrackerKind(
 learned = TrackerKind(
     lambda host: LearnedTracker(host.rig, _own(host, LearnedConfig), host.profile),
     "a bare arm in any room; needs the models: farhand models install",
+    "room",
+)
+eye = TrackerKind(
+    lambda host: EyeTracker(host.rig, _own(host, EyeConfig)),
+    "a bare arm in any room, by networks of Farhand's own; it tells no open hand yet",
     "room",
 )
 markers = TrackerKind(

@@ -16,10 +16,6 @@ from lab.eye.arms.postures import random_posture
 from lab.films.arm.arm_mesh import ArmMesh
 from lab.films.arm.posing import PosedArm
 
-# The points to be found: the elbow, then the hand's 21 landmarks in the published order (wrist, thumb from its base to
-# its tip, then index, middle, ring and little finger from the knuckle to the tip).
-ELBOW, WRIST, THUMB_TIP, INDEX_KNUCKLE, INDEX_TIP, MIDDLE_KNUCKLE, LITTLE_KNUCKLE = 0, 1, 5, 6, 9, 10, 18
-POINTS = 22
 POSTURES_PER_BODY = 100
 PHALANX_SHARE = 0.5
 

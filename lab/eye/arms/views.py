@@ -6,12 +6,13 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from lab.eye.arms.poses import INDEX_KNUCKLE, LITTLE_KNUCKLE, MIDDLE_KNUCKLE, WRIST
 from lab.eye.arms.surface import CropKind
+from local_site.tracking.eye.arm_points import INDEX_KNUCKLE, LITTLE_KNUCKLE, MIDDLE_KNUCKLE, WRIST
+from local_site.tracking.eye.crops import ARM_M, HAND_M
 
 CROP_M: dict[CropKind, float] = {
-    "arm": 0.64,
-    "hand": 0.30,
+    "arm": ARM_M,
+    "hand": HAND_M,
     "whole": 1.1,
 }  # what the width of a crop shows, at the wrist's depth
 DISTANCE_M = (0.4, 3.5)

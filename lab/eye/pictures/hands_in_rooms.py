@@ -7,13 +7,14 @@ import torch
 from torch import Tensor
 from torch.nn.functional import affine_grid, grid_sample
 
-from lab.eye.arms.poses import INDEX_KNUCKLE, LITTLE_KNUCKLE, MIDDLE_KNUCKLE, WRIST, PoseStore
+from lab.eye.arms.poses import PoseStore
 from lab.eye.pictures.backgrounds import Picture, Rooms
 from lab.eye.pictures.painting import ArmLayer, ArmPainter
 from lab.eye.pictures.random_tensors import Draw
 from lab.eye.pictures.samples import SCENES_PER_ARM
 from lab.eye.pictures.scenes import BODY, THING_BEFORE, over, something
 from lab.eye.pictures.sensor import filmed
+from local_site.tracking.eye.arm_points import INDEX_KNUCKLE, LITTLE_KNUCKLE, MIDDLE_KNUCKLE, WRIST
 
 WIDTH, HEIGHT = 192, 144
 CELL_PX = 4

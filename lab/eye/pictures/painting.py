@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import avg_pool2d, grid_sample
 
-from lab.eye.arms.poses import ELBOW, POINTS, WRIST, PoseStore
+from lab.eye.arms.poses import PoseStore
 from lab.eye.arms.rendering import SkinRaster, SkinRenderer
 from lab.eye.arms.surface import CropKind, skin_attributes
 from lab.eye.arms.views import CropView, random_views
@@ -14,6 +14,7 @@ from lab.eye.pictures.clothes import Clothes, WornSurface, covered_by_cloth, dre
 from lab.eye.pictures.lighting import random_light, random_shine
 from lab.eye.pictures.random_tensors import Draw
 from lab.eye.pictures.skin_tones import TONES, SkinColours
+from local_site.tracking.eye.arm_points import ELBOW, POINTS, WRIST
 
 OTHER, HAND, FOREARM, UPPER_ARM, CLOTH = range(5)
 CLASSES = 5

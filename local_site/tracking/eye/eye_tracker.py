@@ -23,10 +23,11 @@ MIN_VIEWS = 2
 START_SIGMA_M, START_LOOKS = 0.12, 3
 STEP_M, ACCELERATION_M_S2 = 0.006, 40.0  # how far a point is from where it was expected
 LONGEST_S = 0.2  # of a loss of pictures, after which the hand is searched
-BARE, OPERATORS, MOST_SPREAD_M = 0.5, 0.7, 0.022  # of a hand to begin with
-NOT_BARE, OTHER_SIDE = 0.25, 0.2
-MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 3, 3.0, 6.0
+BARE, MOST_SPREAD_M = 0.9, 0.020  # of a hand to begin with: each view is that sure, and where its points are
+NOT_BARE, OTHER_SIDE = 0.25, 0.08
+MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 1, 3.0, 6.0
 MOST_SIGMA_M, MOST_ELBOW_SIGMA_M = 0.03, 0.05
+SIDE_MEMORY = 0.1  # weight of the newest instant
 PATIENCE = 5  # instants in which nothing like a hand is seen, after which it is lost
 BIAS_M, ELBOW_BIAS_M = 0.006, 0.015  # by which a network errs in all pictures of a hand alike
 POINT_NAMES = {"wrist": WRIST, "index": INDEX_TIP, "thumb": THUMB_TIP}
@@ -64,7 +65,8 @@ class EyeTracker:
         sights, fit = self._follow(views, self._last) if self._last is not None else self._begin(views)
         if fit is None:
             return self._lost(views, TrackingReason.NO_HAND)
-        self._side += 0.1 * (float(np.mean([sight.side for sight in sights])) - self._side)
+        side = float(np.mean([sight.side for sight in sights]))
+        self._side = side if self._last is None else self._side + SIDE_MEMORY * (side - self._side)
         self._unseen = self._unseen + 1 if self._is_doubtful(sights, fit) else 0
         if self._unseen > PATIENCE or not np.isfinite(fit.points).all():
             return self._lost(views, TrackingReason.NO_HAND)
@@ -85,7 +87,8 @@ class EyeTracker:
     def _begin(self, views: Views) -> tuple[list[ViewSight], FittedPoints | None]:
         """Search for a hand, and look at it more and more closely."""
         starts = self._search.starts([view.current.image for view in views.views])
-        for start in [points for points in starts if self._rig.contains(points[WRIST])][:MOST_STARTS]:
+        inside = [points for points in starts if self._rig.contains(points[WRIST])]
+        for start in inside[:MOST_STARTS]:
             points = start
             for _ in range(START_LOOKS):
                 sights = [eye.look(view.current, points) for eye, view in zip(self._eyes, views.views, strict=True)]
@@ -96,11 +99,11 @@ class EyeTracker:
         return [], None
 
     def _is_arm(self, sights: Sequence[ViewSight], fit: FittedPoints) -> bool:
-        """Return whether the views are sure of a bare hand of the operator's side, where the cameras were calibrated."""
+        """Return whether the views are sure of a bare hand, and not of the other one, in the calibrated volume."""
         bare = min(sight.bare for sight in sights)
         side = float(np.mean([sight.side for sight in sights]))
         spread_m = float(np.sqrt(np.median(np.trace(fit.covariances[WRIST:], axis1=1, axis2=2))))
-        is_sure = bare > BARE and side > OPERATORS and spread_m < MOST_SPREAD_M and fit.misfit < BEGUN_MISFIT
+        is_sure = bare > BARE and side > OTHER_SIDE and spread_m < MOST_SPREAD_M and fit.misfit < BEGUN_MISFIT
         return is_sure and self._rig.contains(fit.points[WRIST])
 
     def _follow(self, views: Views, last: _Seen) -> tuple[list[ViewSight], FittedPoints]:
@@ -109,9 +112,10 @@ class EyeTracker:
         sights = []
         self._turn = (self._turn + 1) % len(self._eyes)
         for k, (eye, frames, view) in enumerate(zip(self._eyes, self._frames, views.views, strict=True)):
-            sight = frames.at(view, partial(eye.look, points=points, whole_arm=k == self._turn))
-            assert not isinstance(sight, str)
-            sights.append(sight)
+            look = partial(eye.look, points=points, whole_arm=k == self._turn)
+            sight = frames.at(view, look)
+            if not isinstance(sight, str):  # looking gives no such reason
+                sights.append(sight)
         sigma = STEP_M + 0.5 * ACCELERATION_M_S2 * ahead_s**2
         return sights, self._fitted(sights, Expected(points, np.full(POINTS, sigma)))
 

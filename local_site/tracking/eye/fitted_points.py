@@ -81,9 +81,9 @@ def fit_points(sights: Sequence[PointSight], expected: Expected, lengths: Length
         step = np.linalg.solve(normal, right)
         points, length_m = points + step[: 3 * POINTS].reshape(POINTS, 3), length_m + step[3 * POINTS :]
     normal, _, misfit = _equations(points, length_m, sights, expected, lengths)
-    covariance = np.linalg.inv(normal)
+    covariance: Array = np.asarray(np.linalg.inv(normal), dtype=np.float64)
     blocks = covariance[: 3 * POINTS, : 3 * POINTS].reshape(POINTS, 3, POINTS, 3)
-    of_points = blocks[np.arange(POINTS), :, np.arange(POINTS)]
+    of_points: Array = blocks[np.arange(POINTS), :, np.arange(POINTS)]
     length_sigma = np.sqrt(np.diag(covariance)[3 * POINTS :])
     return FittedPoints(points, of_points, length_m, length_sigma, misfit)
 

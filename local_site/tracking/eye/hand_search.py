@@ -6,11 +6,12 @@ from itertools import combinations
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.calibration.rig import CameraCalibration, Rig
-from local_site.calibration.triangulation import image_of, project, triangulate
+from local_site.calibration.triangulation import image_of, triangulate
 from local_site.tracking.eye.arm_points import ELBOW, POINTS, WRIST
 from local_site.tracking.eye.networks import EyeNetworks, sigmoid
 
@@ -40,9 +41,7 @@ class HandSearch:
 
     def starts(self, pictures: Sequence[Image]) -> list[Array]:
         """Find points (22, 3) in m of hands, held flat and the arm straight, to start looking from; the best first."""
-        found = [
-            self._found(camera, picture) for camera, picture in zip(self._rig.cameras, pictures, strict=True)
-        ]
+        found = [self._found(camera, picture) for camera, picture in zip(self._rig.cameras, pictures, strict=True)]
         starts = []
         for i, j in combinations(range(len(found)), 2):
             for one in found[i]:
@@ -61,9 +60,8 @@ class HandSearch:
         cells = self._networks.find(padded)
         share = sigmoid(cells[0].astype(np.float64))
         peaks = (share >= SURE) & (share >= cv2.dilate(share, np.ones((5, 5))))
-        rows, columns = np.nonzero(peaks)
-        order = np.argsort(-share[rows, columns])[:MOST_HANDS]
-        return [_hand(camera, cells[:, r, c], (r, c), share[r, c], scale) for r, c in zip(rows[order], columns[order], strict=True)]
+        best = sorted(np.argwhere(peaks).tolist(), key=lambda at: -share[*at])[:MOST_HANDS]
+        return [_hand(camera, cells[:, row, column], (row, column), scale) for row, column in best]
 
     def _start(self, views: tuple[int, int], hands: tuple[FoundHand, FoundHand]) -> Array | None:
         """The points of a hand that two views see; None where they do not meet, or its size is no hand's."""
@@ -93,11 +91,12 @@ def straight_arm(middle: Array, along: Array) -> Array:
     return points
 
 
-def _hand(camera: CameraCalibration, cell: Array, at: tuple[int, int], score: float, scale: float) -> FoundHand:
-    row, column = at
+def _hand(camera: CameraCalibration, answer: NDArray[np.float32], at: tuple[int, int], scale: float) -> FoundHand:
+    (row, column), cell = at, answer.astype(np.float64)
     middle = (np.array([column + 0.5, row + 0.5]) + cell[2:4]) * CELL_PX / scale
     tip = middle + cell[4:6]
     middle, tip = camera.undistort_pixels(np.array([middle, tip], dtype=np.float64))
     direction = tip - middle
     unit_px = float(np.exp(cell[6])) * WIDTH / scale
-    return FoundHand(middle, direction / max(float(np.linalg.norm(direction)), 1e-6), unit_px, float(score))
+    along = direction / max(float(np.linalg.norm(direction)), 1e-6)
+    return FoundHand(middle, along, unit_px, float(sigmoid(cell[0])))

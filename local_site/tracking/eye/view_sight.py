@@ -55,7 +55,7 @@ class ViewEye:
         return pixel
 
     def look(self, frame: Frame, points: Array, *, whole_arm: bool = True) -> ViewSight:
-        """See the hand where its points (22, 3) in m are expected and, if the `whole_arm` is asked for, elbow and wrist.
+        """See the hand where its points (22, 3) in m are expected, and elbow and wrist if asked for the `whole_arm`.
 
         That takes a second, wider crop. A point outside of its crop, or at its edge, tells nothing.
         """
@@ -83,8 +83,8 @@ class ViewEye:
         back = CROP_PX * crop.back
         spread = WIDENED**2 * answer.covariances + BIAS**2 * np.eye(2)
         covariances = back @ spread @ back.T
-        inside = ((answer.points > BORDER) & (answer.points < 1.0 - BORDER)).all(axis=1)
-        return pixels, np.where(inside[:, None, None], covariances, np.inf)
+        inside = np.all((answer.points > BORDER) & (answer.points < 1.0 - BORDER), axis=1)
+        return pixels, np.where(np.reshape(inside, (-1, 1, 1)), covariances, np.inf)
 
 
 def blended(before: ViewSight, after: ViewSight, weight: float) -> ViewSight:

@@ -7,12 +7,13 @@ import pytest
 from scipy.spatial import cKDTree
 
 from lab.eye.arms.bodies import FOREARM_M, BodyShape, random_shape, shaped_mesh
-from lab.eye.arms.poses import POINTS, POSTURES_PER_BODY, PoseStore, draw_poses, stored_poses
+from lab.eye.arms.poses import POSTURES_PER_BODY, PoseStore, draw_poses, stored_poses
 from lab.eye.arms.postures import random_posture
 from lab.eye.arms.surface import skin_attributes, skin_points
 from lab.films.arm.arm_mesh import load_arm_mesh
 from lab.films.arm.posing import PosedArm
 from local_site.simulation.body import BodyPose
+from local_site.tracking.eye.arm_points import POINTS
 
 AVERAGE = BodyShape(np.array([1.0, 0.0, 0.0]), 0.26, 0.30, 1.0, 1.0, 1.0, 1.0, 1.0)
 

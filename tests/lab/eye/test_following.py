@@ -9,7 +9,7 @@ torch = pytest.importorskip("torch", reason="the eye's training needs torch: mak
 from torch import Tensor
 
 from lab.eye.arms.surface import CropKind
-from lab.eye.following import EyeFollower, begun_at, crop_about
+from lab.eye.following import EyeFollower, begun_at
 from lab.eye.judging_films import judge_film
 from lab.eye.network import EyeNetwork
 from lab.films.meshed import FilmedArm, MeshFilm, mesh_film
@@ -27,19 +27,6 @@ class _LooksAhead(EyeNetwork):
 
 def _networks() -> dict[CropKind, EyeNetwork]:
     return {"arm": _LooksAhead(4), "hand": _LooksAhead(4)}
-
-
-def test_a_crop_has_its_middle_its_width_and_its_upright_where_they_were_asked_for() -> None:
-    middle, up = np.array([300.0, 200.0]), np.array([3.0, 4.0])
-    crop = crop_about(middle, up, width_px=100.0)
-    np.testing.assert_allclose(crop.in_picture(np.array([[0.5, 0.5]])), [middle])
-    top = crop.in_picture(np.array([[0.5, 0.0]]))[0]
-    np.testing.assert_allclose(top, middle + 50.0 * up / 5.0)
-    picture = np.zeros((480, 640, 3), np.uint8)
-    picture[195:206, 295:306] = 255
-    cut = crop.cut(picture)
-    assert cut[96, 96].min() > 200
-    assert cut[40, 40].max() == 0
 
 
 def test_points_in_the_middles_of_the_crops_are_those_about_which_these_were_cut() -> None:
