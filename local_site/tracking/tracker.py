@@ -80,7 +80,7 @@ class TrackingReason(StrEnum):
         "the cameras are exchanged, have moved, or are not those of the rig file"
     )
     OTHER_HAND = "only a hand is seen that is not the operator's: hold up yours"
-    OTHER_SIDE = "this looks like the other hand, or the pictures are mirrored; see tracking.learned.right_arm"
+    OTHER_SIDE = "this looks like the other hand, or the pictures are mirrored; see right_arm of the tracker"
     LEARNING_ROOM = "learning the room: keep the arm out of the pictures for a second"
     FIST = "the hand is closed, so that index and thumb hide their tips: open it to turn the tool"
     THUMB_INFERRED = "the thumb is not seen in outline by two cameras; its position follows from the hand's shape"

@@ -25,7 +25,7 @@ STEP_M, ACCELERATION_M_S2 = 0.006, 40.0  # how far a point is from where it was 
 LONGEST_S = 0.2  # of a loss of pictures, after which the hand is searched
 BARE, MOST_SPREAD_M = 0.9, 0.020  # of a hand to begin with: each view is that sure, and where its points are
 NOT_BARE, OTHER_SIDE = 0.25, 0.08
-MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 1, 3.0, 6.0
+MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 4, 3.0, 6.0
 MOST_SIGMA_M, MOST_ELBOW_SIGMA_M = 0.03, 0.05
 SIDE_MEMORY = 0.1  # weight of the newest instant
 PATIENCE = 5  # instants in which nothing like a hand is seen, after which it is lost
@@ -38,6 +38,7 @@ class _Seen:
     t_ns: int
     points: Array
     velocity: Array
+    sigma_m: Array
 
 
 class EyeTracker:
@@ -85,18 +86,18 @@ class EyeTracker:
         return "; ".join(dict.fromkeys(problems))
 
     def _begin(self, views: Views) -> tuple[list[ViewSight], FittedPoints | None]:
-        """Search for a hand, and look at it more and more closely."""
+        """Search for a hand, and look at it more and more closely; at one of those that were found in each instant."""
         starts = self._search.starts([view.current.image for view in views.views])
-        inside = [points for points in starts if self._rig.contains(points[WRIST])]
-        for start in inside[:MOST_STARTS]:
-            points = start
-            for _ in range(START_LOOKS):
-                sights = [eye.look(view.current, points) for eye, view in zip(self._eyes, views.views, strict=True)]
-                fit = self._fitted(sights, Expected(points, np.full(POINTS, START_SIGMA_M)))
-                points = fit.points
-            if self._is_arm(sights, fit):
-                return sights, fit
-        return [], None
+        inside = [points for points in starts if self._rig.contains(points[WRIST])][:MOST_STARTS]
+        if not inside:
+            return [], None
+        self._turn += 1
+        points = inside[self._turn % len(inside)]
+        for _ in range(START_LOOKS):
+            sights = [eye.look(view.current, points) for eye, view in zip(self._eyes, views.views, strict=True)]
+            fit = self._fitted(sights, Expected(points, np.full(POINTS, START_SIGMA_M)))
+            points = fit.points
+        return (sights, fit) if self._is_arm(sights, fit) else ([], None)
 
     def _is_arm(self, sights: Sequence[ViewSight], fit: FittedPoints) -> bool:
         """Return whether the views are sure of a bare hand, and not of the other one, in the calibrated volume."""
@@ -116,8 +117,8 @@ class EyeTracker:
             sight = frames.at(view, look)
             if not isinstance(sight, str):  # looking gives no such reason
                 sights.append(sight)
-        sigma = STEP_M + 0.5 * ACCELERATION_M_S2 * ahead_s**2
-        return sights, self._fitted(sights, Expected(points, np.full(POINTS, sigma)))
+        step_m = STEP_M + 0.5 * ACCELERATION_M_S2 * ahead_s**2
+        return sights, self._fitted(sights, Expected(points, np.hypot(last.sigma_m, step_m)))
 
     def _fitted(self, sights: Sequence[ViewSight], expected: Expected) -> FittedPoints:
         seen = [sight.of(matrix) for sight, matrix in zip(sights, self._rig.matrices, strict=True)]
@@ -130,7 +131,8 @@ class EyeTracker:
         velocity = np.zeros((POINTS, 3))
         if self._last is not None and t_ns > self._last.t_ns:
             velocity = (fit.points - self._last.points) * NS_PER_S / (t_ns - self._last.t_ns)
-        self._last = _Seen(t_ns, fit.points, velocity)
+        sigma_m = np.sqrt(np.trace(fit.covariances, axis1=1, axis2=2) / 3.0)
+        self._last = _Seen(t_ns, fit.points, velocity, sigma_m)
         if not self._unseen:
             self._pairs += 1
             self._lengths = self._lengths.learned(fit.length_m, fit.length_sigma_m)

@@ -16,7 +16,7 @@ from local_site.tracking.eye.arm_points import ELBOW, POINTS, WRIST
 from local_site.tracking.eye.networks import EyeNetworks, sigmoid
 
 WIDTH, HEIGHT, CELL_PX = 192, 144, 4
-SURE, MOST_HANDS = 0.25, 3
+SURE, MOST_HANDS = 0.1, 4
 MOST_OFF = 0.35  # of 0.1 m in the picture: how far two views may miss each other
 OTHER_SIZE = 1.8  # times: a hand of another size than its distance says is another hand
 HALF_PALM_M, FOREARM_M = 0.05, 0.25

@@ -18,8 +18,9 @@ from local_site.tracking.eye.networks import CropAnswer, EyeNetworks
 WIDENED = 1.5  # deviations, so that 95 % lie in the ellipses of 95 % (lab/eye/README.md)
 BIAS = 0.004  # of the crop's width: what a network errs by in every picture alike
 BORDER = 0.02  # of the crop: nearer to its edge, a point may lie beyond
-OTHER = 0
+OTHER, HAND = 0, 1  # of the parts
 MASK_PX = 96
+LEAST_SHOWN = 0.01  # of the hand's crop: a smaller hand is none
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +68,9 @@ class ViewEye:
         hand = self._networks.look("hand", narrow.cut(picture), mirrored=self._mirrored)
         pixels, covariances = self._in_picture(narrow, hand)
         covariances[ELBOW] = np.inf  # it lies outside of the hand's crop, where the network was never asked for it
+        bare = hand.bare if np.mean(hand.parts.argmax(axis=0) == HAND) >= LEAST_SHOWN else 0.0
         if not whole_arm:
-            return ViewSight(pixels, covariances, hand.bare, hand.right, _contour(narrow, hand))
+            return ViewSight(pixels, covariances, bare, hand.right, _contour(narrow, hand))
         wide = crop_about(at[WRIST], up, ARM_M * px_per_m)
         arm = self._networks.look("arm", wide.cut(picture), mirrored=self._mirrored)
         of_arm, arm_covariances = self._in_picture(wide, arm)
@@ -76,7 +78,7 @@ class ViewEye:
             pixels[point], covariances[point] = _joined(
                 (pixels[point], covariances[point]), (of_arm[point], arm_covariances[point])
             )
-        return ViewSight(pixels, covariances, hand.bare, hand.right, _contour(wide, arm))
+        return ViewSight(pixels, covariances, bare, hand.right, _contour(wide, arm))
 
     def _in_picture(self, crop: PictureCrop, answer: CropAnswer) -> tuple[Array, Array]:
         pixels = self.camera.undistort_pixels(crop.in_picture(answer.points))

@@ -1,0 +1,119 @@
+"""The tracker by networks on films: found from nothing, followed, refused where there is none of the operator's."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+import pytest
+
+from common.cameras.camera import Frame
+from common.messages.hand import TrackingStatus
+from lab.films.film import FilmInstant, TrackingFilm
+from lab.films.meshed import FilmedArm, MeshFilm, mesh_film
+from lab.films.surroundings import FilmSetting
+from local_site.tracking.config import EyeConfig
+from local_site.tracking.eye.eye_tracker import EyeTracker
+from local_site.tracking.tracker import ArmEstimate, TrackingReason, View, Views
+
+OFFICE = FilmSetting(room="office")
+
+
+def tracked(film: TrackingFilm, *, right_arm: bool = True) -> list[tuple[ArmEstimate, FilmInstant]]:
+    tracker = EyeTracker(film.rig, EyeConfig(right_arm=right_arm))
+    return [(tracker.track(instant.views), instant) for instant in film.instants()]
+
+
+def off_mm(pairs: list[tuple[ArmEstimate, FilmInstant]], name: str) -> np.ndarray:
+    """By how much (N, 3) in mm a point is off in the tracked pairs."""
+    found = [(getattr(e, name), getattr(i.truth.arm, name)) for e, i in pairs if i.truth and e.wrist is not None]
+    return 1e3 * np.array([a - b for a, b in found])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tone", ["light", "dark"])
+def test_an_arm_is_found_and_followed_in_a_room(tone: str) -> None:
+    film = mesh_film(MeshFilm(name="a", arm=FilmedArm(tone=tone), setting=OFFICE, seconds=2.0))
+    pairs = tracked(film)
+    estimates = [estimate for estimate, _ in pairs]
+    found = next(k for k, e in enumerate(estimates) if e.status is TrackingStatus.INITIALISING)
+    assert found < 40
+    assert {e.status for e in estimates[found + 9 :]} == {TrackingStatus.TRACKED}
+    wrist, index = off_mm(pairs, "wrist"), off_mm(pairs, "index")
+    assert np.linalg.norm(wrist - wrist.mean(axis=0), axis=1).mean() < 5.0
+    assert np.linalg.norm(wrist, axis=1).mean() < 15.0
+    assert np.linalg.norm(index, axis=1).mean() < 35.0
+    last = estimates[-1]
+    assert {"wrist", "index", "thumb", "elbow"} == set(last.covariances)
+    assert last.overlays[0].contour is not None
+    assert not any(e.hand_open for e in estimates)
+
+
+@pytest.mark.slow
+def test_a_left_arm_is_followed_as_well_and_never_as_a_right_one() -> None:
+    film = mesh_film(MeshFilm(name="a", arm=FilmedArm(right=False), seconds=1.5))
+    pairs = tracked(film, right_arm=False)
+    assert sum(e.status is TrackingStatus.TRACKED for e, _ in pairs) >= len(pairs) - 15
+    wrist = off_mm(pairs, "wrist")
+    assert np.linalg.norm(wrist - wrist.mean(axis=0), axis=1).mean() < 5.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("setting", [OFFICE, replace(OFFICE, second_person=True), FilmSetting(room="poster")])
+def test_without_the_operators_arm_nothing_is_tracked(setting: FilmSetting) -> None:
+    film = mesh_film(MeshFilm(name="none", arm=None, setting=setting, seconds=1.0))
+    assert {e.status for e, _ in tracked(film)} == {TrackingStatus.LOST}
+
+
+@pytest.fixture
+def short() -> TrackingFilm:
+    return mesh_film(MeshFilm(name="a", seconds=0.3))
+
+
+def _instants(film: TrackingFilm, count: int) -> Iterator[Views]:
+    return (instant.views for instant in islice(film.instants(), count))
+
+
+def test_the_first_pairs_learn_and_say_so(short: TrackingFilm) -> None:
+    tracker = EyeTracker(short.rig)
+    first = [tracker.track(views) for views in _instants(short, 3)]
+    assert {e.status for e in first} == {TrackingStatus.INITIALISING}
+    assert first[0].reason == TrackingReason.LEARNING
+    assert first[0].wrist is not None
+
+
+def test_an_instant_between_two_exposures_lies_between_them(short: TrackingFilm) -> None:
+    one, other = _instants(short, 2)
+    tracker = EyeTracker(short.rig)
+    tracker.track(one)
+    views = tuple(View(b.current, a.current, 0.5) for a, b in zip(one.views, other.views, strict=True))
+    estimate = tracker.track(Views((one.t_ns + other.t_ns) // 2, views))
+    assert estimate.status is TrackingStatus.INITIALISING
+
+
+def test_after_a_gap_the_hand_is_searched_and_learned_again(short: TrackingFilm) -> None:
+    tracker = EyeTracker(short.rig, EyeConfig(initial_pairs=5))
+    views = list(_instants(short, 7))
+    assert [tracker.track(each).status for each in views][-1] is TrackingStatus.TRACKED
+    later = replace(views[-1], t_ns=views[-1].t_ns + 10**9)
+    assert tracker.track(later).status is TrackingStatus.INITIALISING
+
+
+def test_black_pictures_lose_the_arm_with_a_reason(short: TrackingFilm) -> None:
+    tracker = EyeTracker(short.rig)
+    for views in _instants(short, 2):
+        tracker.track(views)
+    black = []
+    for view in views.views:
+        frame = view.current
+        black.append(View(Frame(np.zeros_like(frame.image), frame.capture_ns + 1, frame.seq + 1)))
+    estimates = [tracker.track(Views(views.t_ns + k * 30_000_000, tuple(black))) for k in range(1, 9)]
+    assert estimates[-1].status is TrackingStatus.LOST
+    assert estimates[-1].reason == TrackingReason.NO_HAND
+    assert not any(e.status is TrackingStatus.TRACKED for e in estimates)
+
+
+def test_too_few_views_and_wrong_pictures_are_named(short: TrackingFilm) -> None:
+    (views,) = _instants(short, 1)
+    tracker = EyeTracker(short.rig)
+    assert "1 views for 2" in tracker.track(Views(views.t_ns, views.views[:1])).reason
