@@ -12,6 +12,7 @@ from common.messages.hand import TrackingStatus
 from lab.films.film import FilmInstant, TrackingFilm
 from lab.films.meshed import FilmedArm, MeshFilm, mesh_film
 from lab.films.surroundings import FilmSetting
+from local_site.simulation.room.config import SkinName
 from local_site.tracking.config import EyeConfig
 from local_site.tracking.eye.eye_tracker import EyeTracker
 from local_site.tracking.tracker import ArmEstimate, TrackingReason, View, Views
@@ -32,7 +33,7 @@ def off_mm(pairs: list[tuple[ArmEstimate, FilmInstant]], name: str) -> np.ndarra
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tone", ["light", "dark"])
-def test_an_arm_is_found_and_followed_in_a_room(tone: str) -> None:
+def test_an_arm_is_found_and_followed_in_a_room(tone: SkinName) -> None:
     film = mesh_film(MeshFilm(name="a", arm=FilmedArm(tone=tone), setting=OFFICE, seconds=2.0))
     pairs = tracked(film)
     estimates = [estimate for estimate, _ in pairs]

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from common.geometry import Array
 from local_site.calibration.triangulation import project, triangulate_many
@@ -15,7 +16,8 @@ LOOSE = np.full(POINTS, 0.1)
 def camera(x_m: float) -> Array:
     """A projection (3, 4) that looks along z, from beside the origin by so much."""
     intrinsic = np.array([[FOCAL_PX, 0.0, 320.0], [0.0, FOCAL_PX, 240.0], [0.0, 0.0, 1.0]])
-    return intrinsic @ np.column_stack([np.eye(3), [-x_m, 0.0, 0.0]])
+    projection: Array = intrinsic @ np.column_stack([np.eye(3), [-x_m, 0.0, 0.0]])
+    return projection
 
 
 VIEWS = [camera(-0.25), camera(0.25)]
@@ -35,7 +37,7 @@ def arm() -> Array:
     return points
 
 
-def sights(points: Array, noise_px: float = 0.0, told: Array | None = None) -> list[PointSight]:
+def sights(points: Array, noise_px: float = 0.0, told: NDArray[np.bool_] | None = None) -> list[PointSight]:
     """What the views see, with noise; points that are not `told` (22,) by none."""
     random, whitening = np.random.default_rng(2), np.tile(np.eye(2) / SIGMA_PX, (POINTS, 1, 1))
     if told is not None:

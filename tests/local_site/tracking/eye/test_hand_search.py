@@ -8,7 +8,8 @@ from common.cameras.camera import Image
 from common.geometry import Array
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import image_of, project
-from local_site.simulation.cameras import StereoConfig, exact_rig
+from local_site.simulation.cameras import exact_rig
+from local_site.simulation.config import StereoConfig
 from local_site.tracking.eye.arm_points import MIDDLE_KNUCKLE, WRIST
 from local_site.tracking.eye.hand_search import HandSearch
 from local_site.tracking.eye.networks import EyeNetworks
