@@ -29,6 +29,8 @@ COLUMNS: tuple[tuple[str, str, str], ...] = (
     ("ssim_below_jpeg", "below JPEG 80", ".3f"),
     ("ticks_missed", "ticks missed", ".2%"),
     ("link_late_p99_ms", "link late ms", ".1f"),
+    ("stolen", "stolen", ".0%"),
+    ("runs", "runs", "d"),
     ("held_for", "held for", ""),
     ("why", "not followed because", ""),
 )

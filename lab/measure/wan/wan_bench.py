@@ -5,11 +5,13 @@ Without a choice it takes a part of the matrix, in eight minutes. It writes buil
 """
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +36,7 @@ from lab.measure.wan.source import render_source
 from lab.measure.wan.stage import FIGURE_HZ, FIGURE_M, GLIDE_S, MEMORY, WanStage
 from lab.stage.network.namespaces import why_not
 from lab.stage.processes import ROOT, cpu_s, module_command
+from lab.stage.stolen_time import StolenTime
 
 FOLDER = Path("build") / "wan"
 CUT_S = 2.5  # more than a link's lease
@@ -43,6 +46,7 @@ WATCHED_S = 12.0  # more than once the whole figure
 ALONE_S = 8.0
 HAND_ALONE = WanLink(20, mbit_s=5)  # where the hand is measured without pictures first
 CHANGED_WATCHED_S = 8.0
+MOST_STOLEN, MOST_RUNS = 0.3, 3  # of all cores within 0.25 s; how often a link is then measured
 CONGESTION = Path("/proc/sys/net/ipv4/tcp_congestion_control")
 
 Figures = dict[str, Any]
@@ -77,13 +81,30 @@ def run(links: Sequence[WanLink], changes: Sequence[Change]) -> None:
         with WanStage(Path(folder)) as stage:
             bench = WanBench(stage, Likeness(Path(folder)))
             # Before any page: once one has sent the operator's intent, nothing engages while it is silent.
-            measured = {link: bench.link(link) for link in sorted(links, key=lambda link: link != HAND_ALONE)}
-            changed = {change: bench.change(change) for change in changes}
+            measured = {
+                link: undisturbed(partial(bench.link, link))
+                for link in sorted(links, key=lambda link: link != HAND_ALONE)
+            }
+            changed = {change: undisturbed(partial(bench.change, change)) for change in changes}
     verdicts = judge_links(measured)
     verdicts += [one for change, figures in changed.items() for one in judge_change(change, figures, hand_mm_s())]
     write_report(FOLDER, measured, changed, verdicts, CONGESTION.read_text().strip())
     failed = sum(not one.passed for one in verdicts)
     print(f"{len(verdicts) - failed} demands met, {failed} failed: {FOLDER / 'networks.md'}")
+
+
+def undisturbed(measure: Callable[[], Figures]) -> Figures:
+    """Measure, and again, whatever the result, while the machine's host takes too much of its cores away.
+
+    That is at most MOST_RUNS times. Adds `stolen`, the share of all cores in the worst 0.25 s, and how many `runs`.
+    """
+    figures: Figures = {}
+    runs, share = 0, 1.0
+    while share > MOST_STOLEN and runs < MOST_RUNS:
+        with StolenTime(os.cpu_count() or 1) as stolen:
+            figures = measure()
+        runs, share = runs + 1, stolen.worst
+    return figures | {"stolen": share, "runs": runs}
 
 
 def hand_mm_s() -> float:
