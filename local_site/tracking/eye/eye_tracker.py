@@ -29,7 +29,7 @@ MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 4, 3.0, 6.0
 MOST_SIGMA_M, MOST_ELBOW_SIGMA_M = 0.03, 0.05
 SIDE_MEMORY = 0.1  # weight of the newest instant
 PATIENCE = 5  # instants in which nothing like a hand is seen, after which it is lost
-BIAS_M, ELBOW_BIAS_M = 0.006, 0.015  # by which a network errs in all pictures of a hand alike
+BIAS_M, ELBOW_BIAS_M = 0.006, 0.025  # by which a network errs in all pictures of a hand alike
 POINT_NAMES = {"wrist": WRIST, "index": INDEX_TIP, "thumb": THUMB_TIP}
 
 
