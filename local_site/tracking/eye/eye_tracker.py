@@ -16,7 +16,7 @@ from local_site.tracking.eye.fitted_points import Expected, FittedPoints, Length
 from local_site.tracking.eye.hand_search import HandSearch
 from local_site.tracking.eye.networks import EyeNetworks
 from local_site.tracking.eye.view_sight import ViewEye, ViewSight, blended
-from local_site.tracking.features.view_meter import picture_problem
+from local_site.tracking.features.view_meter import views_problem
 from local_site.tracking.tracker import ArmEstimate, FrameCache, Overlay, TrackingReason, Views
 
 MIN_VIEWS = 2
@@ -34,7 +34,7 @@ POINT_NAMES = {"wrist": WRIST, "index": INDEX_TIP, "thumb": THUMB_TIP}
 
 
 @dataclass(frozen=True, slots=True)
-class _Seen:
+class _LastArm:
     t_ns: int
     points: Array
     velocity: Array
@@ -52,13 +52,13 @@ class EyeTracker:
         self._frames: list[FrameCache[ViewSight]] = [FrameCache(blended) for _ in rig.cameras]
         self._search = HandSearch(rig, networks)
         self._lengths = Lengths.unknown()
-        self._last: _Seen | None = None
+        self._last: _LastArm | None = None
         self._pairs = self._unseen = self._turn = 0
         self._side = 0.5
 
     def track(self, views: Views) -> ArmEstimate:
         """The arm at the views' instant; a frame that cannot be tracked gives the reason."""
-        problem = self._problem(views)
+        problem = views_problem(self._rig, views, MIN_VIEWS)
         if problem:
             return self._lost(views, problem)
         if self._last is not None and views.t_ns - self._last.t_ns > LONGEST_S * NS_PER_S:
@@ -73,17 +73,6 @@ class EyeTracker:
             return self._lost(views, TrackingReason.NO_HAND)
         self._keep(views.t_ns, fit)
         return self._estimate(views.t_ns, sights, fit)
-
-    def _problem(self, views: Views) -> str:
-        if len(views.views) != len(self._rig.cameras) or len(views.views) < MIN_VIEWS:
-            return f"{len(views.views)} views for {len(self._rig.cameras)} calibrated cameras"
-        problems = [
-            f"{camera.name}: {problem}"
-            for camera, view in zip(self._rig.cameras, views.views, strict=True)
-            for frame in (view.current, view.previous or view.current)
-            if (problem := picture_problem(frame.image, camera))
-        ]
-        return "; ".join(dict.fromkeys(problems))
 
     def _begin(self, views: Views) -> tuple[list[ViewSight], FittedPoints | None]:
         """Search for a hand, and look at it more and more closely; at one of those that were found in each instant."""
@@ -107,7 +96,7 @@ class EyeTracker:
         is_sure = bare > BARE and side > OTHER_SIDE and spread_m < MOST_SPREAD_M and fit.misfit < BEGUN_MISFIT
         return is_sure and self._rig.contains(fit.points[WRIST])
 
-    def _follow(self, views: Views, last: _Seen) -> tuple[list[ViewSight], FittedPoints]:
+    def _follow(self, views: Views, last: _LastArm) -> tuple[list[ViewSight], FittedPoints]:
         ahead_s = (views.t_ns - last.t_ns) / NS_PER_S
         points = last.points + ahead_s * last.velocity
         sights = []
@@ -132,7 +121,7 @@ class EyeTracker:
         if self._last is not None and t_ns > self._last.t_ns:
             velocity = (fit.points - self._last.points) * NS_PER_S / (t_ns - self._last.t_ns)
         sigma_m = np.sqrt(np.trace(fit.covariances, axis1=1, axis2=2) / 3.0)
-        self._last = _Seen(t_ns, fit.points, velocity, sigma_m)
+        self._last = _LastArm(t_ns, fit.points, velocity, sigma_m)
         if not self._unseen:
             self._pairs += 1
             self._lengths = self._lengths.learned(fit.length_m, fit.length_sigma_m)

@@ -10,14 +10,14 @@ import numpy as np
 
 from common.cameras.camera import Frame, Image
 from common.geometry import Array
-from local_site.calibration.rig import CameraCalibration
+from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.calibration.triangulation import project
 from local_site.calibration.undistortion import Undistorter
 from local_site.tracking.features.features import Features, measure
 from local_site.tracking.features.medial import MedialLine
 from local_site.tracking.features.posture import Posture
 from local_site.tracking.features.silhouette import Silhouette, to_grey
-from local_site.tracking.tracker import FrameCache, Overlay, View
+from local_site.tracking.tracker import FrameCache, Overlay, View, Views
 
 MIN_SIDE_PX = 32
 LINE_SAMPLES = 200
@@ -72,6 +72,19 @@ def picture_problem(image: Image, camera: CameraCalibration) -> str:
     if camera.size_px in (None, (width, height)):
         return ""
     return "the picture is {}x{}, but was calibrated at {}x{}".format(width, height, *camera.size_px or ())
+
+
+def views_problem(rig: Rig, views: Views, least: int) -> str:
+    """Say why the pictures of an instant cannot be those of a rig with at least so many cameras; empty if they can."""
+    if len(views.views) != len(rig.cameras) or len(views.views) < least:
+        return f"{len(views.views)} views for {len(rig.cameras)} calibrated cameras"
+    problems = [
+        f"{camera.name}: {problem}"
+        for camera, view in zip(rig.cameras, views.views, strict=True)
+        for frame in (view.current, view.previous or view.current)
+        if (problem := picture_problem(frame.image, camera))
+    ]
+    return "; ".join(dict.fromkeys(problems))
 
 
 def features_of(silhouette: Silhouette, guess: Posture | None) -> Features | str:

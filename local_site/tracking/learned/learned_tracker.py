@@ -6,7 +6,7 @@ from common.messages.hand import TrackingStatus
 from local_site.calibration.rig import Rig
 from local_site.calibration.triangulation import focal_length
 from local_site.tracking.config import LearnedConfig
-from local_site.tracking.features.view_meter import picture_problem
+from local_site.tracking.features.view_meter import views_problem
 from local_site.tracking.landmarks.hand_finder import HandFinder
 from local_site.tracking.landmarks.hand_pairing import SeenHand
 from local_site.tracking.landmarks.models import view_hands
@@ -63,16 +63,9 @@ class LearnedTracker:
 
     def track(self, views: Views) -> ArmEstimate:
         """The arm at the views' instant; a frame that cannot be tracked gives the reason."""
-        if len(views.views) != len(self._rig.cameras) or len(views.views) < MIN_VIEWS:
-            return self._lost(views, f"{len(views.views)} views for {len(self._rig.cameras)} calibrated cameras")
-        problems = [
-            f"{camera.name}: {problem}"
-            for camera, view in zip(self._rig.cameras, views.views, strict=True)
-            for frame in (view.current, view.previous or view.current)
-            if (problem := picture_problem(frame.image, camera))
-        ]
-        if problems:
-            return self._lost(views, "; ".join(dict.fromkeys(problems)))
+        problem = views_problem(self._rig, views, MIN_VIEWS)
+        if problem:
+            return self._lost(views, problem)
         # Before a dark wall the outlines cost so little that there is time to look at all views.
         motion = self._motion.expected(views.t_ns) if self._outlines.in_room else None
         seen = self._finder.find(views, self._operator.doubt, quickly=self._outlined, motion=motion)
