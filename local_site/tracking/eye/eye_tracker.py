@@ -30,6 +30,7 @@ MOST_SIGMA_M, MOST_ELBOW_SIGMA_M = 0.03, 0.05
 SIDE_MEMORY = 0.1  # weight of the newest instant
 PATIENCE = 5  # instants in which nothing like a hand is seen, after which it is lost
 BIAS_M, ELBOW_BIAS_M = 0.006, 0.025  # by which a network errs in all pictures of a hand alike
+UNCLEAR_M = 0.04  # of a hand that may be none: so unsure a point stops the arm
 POINT_NAMES = {"wrist": WRIST, "index": INDEX_TIP, "thumb": THUMB_TIP}
 
 
@@ -61,7 +62,7 @@ class EyeTracker:
         problem = views_problem(self._rig, views, MIN_VIEWS)
         if problem:
             return self._lost(views, problem)
-        if self._last is not None and views.t_ns - self._last.t_ns > LONGEST_S * NS_PER_S:
+        if self._last is not None and abs(views.t_ns - self._last.t_ns) > LONGEST_S * NS_PER_S:
             self._forget()
         sights, fit = self._follow(views, self._last) if self._last is not None else self._begin(views)
         if fit is None:
@@ -71,6 +72,8 @@ class EyeTracker:
         self._unseen = self._unseen + 1 if self._is_doubtful(sights, fit) else 0
         if self._unseen > PATIENCE or not np.isfinite(fit.points).all():
             return self._lost(views, TrackingReason.NO_HAND)
+        if self._pairs >= self._needed and self._side < OTHER_SIDE:
+            return self._lost(views, TrackingReason.OTHER_SIDE)
         self._keep(views.t_ns, fit)
         return self._estimate(views.t_ns, sights, fit)
 
@@ -128,16 +131,15 @@ class EyeTracker:
 
     def _estimate(self, t_ns: int, sights: Sequence[ViewSight], fit: FittedPoints) -> ArmEstimate:
         points = {name: fit.points[k] for name, k in POINT_NAMES.items()}
-        covariances = {name: fit.covariances[k] + BIAS_M**2 * np.eye(3) for name, k in POINT_NAMES.items()}
-        reasons = [TrackingReason.HAND_UNCLEAR] if self._unseen or _sigma(covariances["wrist"]) > MOST_SIGMA_M else []
+        bias_m = UNCLEAR_M if self._unseen else BIAS_M
+        covariances = {name: fit.covariances[k] + bias_m**2 * np.eye(3) for name, k in POINT_NAMES.items()}
+        reasons = [TrackingReason.HAND_UNCLEAR] if _sigma(covariances["wrist"]) > MOST_SIGMA_M else []
         if not self._rig.contains(points["wrist"]):
             reasons.append(TrackingReason.OUTSIDE_VOLUME)
-        if self._pairs >= self._needed and self._side < OTHER_SIDE:
-            reasons.append(TrackingReason.OTHER_SIDE)
         if _sigma(fit.covariances[ELBOW]) < MOST_ELBOW_SIGMA_M:
             points["elbow"] = fit.points[ELBOW]
             covariances["elbow"] = fit.covariances[ELBOW] + ELBOW_BIAS_M**2 * np.eye(3)
-        status = TrackingStatus.LOST if reasons else TrackingStatus.TRACKED
+        status = TrackingStatus.DEGRADED if reasons else TrackingStatus.TRACKED
         if not reasons and self._pairs < self._needed:
             status, reasons = TrackingStatus.INITIALISING, [TrackingReason.LEARNING]
         return ArmEstimate(

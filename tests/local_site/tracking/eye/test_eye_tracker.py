@@ -60,6 +60,13 @@ def test_a_left_arm_is_followed_as_well_and_never_as_a_right_one() -> None:
 
 
 @pytest.mark.slow
+def test_a_left_arm_is_refused_where_a_right_one_is_expected() -> None:
+    film = mesh_film(MeshFilm(name="a", arm=FilmedArm(right=False), seconds=2.5))
+    pairs = tracked(film)
+    assert sum(e.status is TrackingStatus.TRACKED for e, _ in pairs) < 0.1 * len(pairs)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("setting", [OFFICE, replace(OFFICE, second_person=True), FilmSetting(room="poster")])
 def test_without_the_operators_arm_nothing_is_tracked(setting: FilmSetting) -> None:
     film = mesh_film(MeshFilm(name="none", arm=None, setting=setting, seconds=1.0))
@@ -112,6 +119,18 @@ def test_black_pictures_lose_the_arm_with_a_reason(short: TrackingFilm) -> None:
     assert estimates[-1].status is TrackingStatus.LOST
     assert estimates[-1].reason == TrackingReason.NO_HAND
     assert not any(e.status is TrackingStatus.TRACKED for e in estimates)
+    unclear = [e for e in estimates if e.wrist is not None]
+    assert min(np.linalg.eigvalsh(e.covariances["wrist"])[0] for e in unclear) > 0.039**2
+
+
+def test_a_time_that_jumps_back_begins_anew(short: TrackingFilm) -> None:
+    tracker = EyeTracker(short.rig, EyeConfig(initial_pairs=5))
+    views = list(_instants(short, 7))
+    assert [tracker.track(each).status for each in views][-1] is TrackingStatus.TRACKED
+    earlier = tracker.track(replace(views[-1], t_ns=views[-1].t_ns - 10**10))
+    assert earlier.status is TrackingStatus.INITIALISING
+    assert earlier.wrist is not None
+    assert short.rig.contains(earlier.wrist)
 
 
 def test_too_few_views_and_wrong_pictures_are_named(short: TrackingFilm) -> None:
