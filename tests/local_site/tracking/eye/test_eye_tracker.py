@@ -151,3 +151,13 @@ def test_lengths_learned_of_one_hand_are_not_those_of_the_next(short: TrackingFi
     assert wrist is not None
     assert expected is not None
     assert wrist == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("channels", [1, 2, 4])
+def test_pictures_of_other_channels_are_seen_grey_or_without_transparency(short: TrackingFilm, channels: int) -> None:
+    (views,) = _instants(short, 1)
+    shown = []
+    for frame in (view.current for view in views.views):
+        image = np.dstack([frame.image, frame.image[..., :1]])[..., :channels]
+        shown.append(View(Frame(np.ascontiguousarray(image), frame.capture_ns, frame.seq)))
+    assert EyeTracker(short.rig).track(Views(views.t_ns, tuple(shown))).status is TrackingStatus.INITIALISING
