@@ -47,7 +47,8 @@ LocalEndpoint = Annotated[str, typer.Option("--local", help="Where the local sit
 
 TRACKER_HELP = (
     "silhouette: a bare arm before a dark wall; learned: a bare arm in an ordinary room; "
-    "markers: three bright ones on a dark glove; monocular: one camera; or an installed one."
+    "eye: the same by networks of Farhand's own; markers: three bright ones on a dark glove; "
+    "monocular: one camera; or an installed one."
 )
 
 

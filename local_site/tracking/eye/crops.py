@@ -40,3 +40,11 @@ def crop_about(middle: Array, up: Array, width_px: float) -> PictureCrop:
     angle, scale = np.arctan2(up[0], -up[1]), CROP_PX / width_px
     turn = scale * np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     return PictureCrop(np.column_stack([turn, 0.5 * CROP_PX - turn @ middle]))
+
+
+def in_colour(picture: Image) -> Image:
+    """Give a picture three colours: a grey one (H, W) or (H, W, 1 or 2), or one with transparency (H, W, 4)."""
+    if picture.ndim == 3 and picture.shape[2] >= 3:
+        return np.ascontiguousarray(picture[..., :3])
+    grey = picture if picture.ndim == 2 else np.ascontiguousarray(picture[..., 0])
+    return np.asarray(cv2.cvtColor(grey, cv2.COLOR_GRAY2BGR), np.uint8)

@@ -22,8 +22,8 @@ from local_site.tracking.tracker import ArmEstimate, FrameCache, Overlay, Tracki
 MIN_VIEWS = 2
 START_SIGMA_M, START_LOOKS = 0.12, 3
 STEP_M, ACCELERATION_M_S2 = 0.006, 40.0  # how far a point is from where it was expected
-LONGEST_S = 0.2  # of a loss of pictures, after which the hand is searched
-BARE, MOST_SPREAD_M = 0.9, 0.020  # of a hand to begin with: each view is that sure, and where its points are
+LONGEST_S = 0.2  # of a loss of pictures or a jump of the clock, after which the hand is searched
+BARE, MOST_SPREAD_M = 0.9, 0.020  # of a hand to begin with: two views are that sure, and where its points are
 NOT_BARE, OTHER_SIDE = 0.25, 0.08
 MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 4, 3.0, 6.0
 MOST_SIGMA_M, MOST_ELBOW_SIGMA_M = 0.03, 0.05
@@ -92,9 +92,13 @@ class EyeTracker:
         return (sights, fit) if self._is_arm(sights, fit) else ([], None)
 
     def _is_arm(self, sights: Sequence[ViewSight], fit: FittedPoints) -> bool:
-        """Return whether the views are sure of a bare hand, and not of the other one, in the calibrated volume."""
-        bare = min(sight.bare for sight in sights)
-        side = float(np.mean([sight.side for sight in sights]))
+        """Return whether two views are sure of a bare hand, and not of the other one, in the calibrated volume.
+
+        Others may not show it.
+        """
+        surest = sorted(sights, key=lambda sight: -sight.bare)[:MIN_VIEWS]
+        bare = surest[-1].bare
+        side = float(np.mean([sight.side for sight in surest]))
         spread_m = float(np.sqrt(np.median(np.trace(fit.covariances[WRIST:], axis1=1, axis2=2))))
         is_sure = bare > BARE and side > OTHER_SIDE and spread_m < MOST_SPREAD_M and fit.misfit < BEGUN_MISFIT
         return is_sure and self._rig.contains(fit.points[WRIST])
@@ -160,7 +164,7 @@ class EyeTracker:
 
     def _forget(self) -> None:
         self._last, self._unseen, self._side = None, 0, 0.5
-        self._pairs = 0
+        self._pairs, self._lengths = 0, Lengths.unknown()  # the next hand may be another person's
 
     def _lost(self, views: Views, reason: str) -> ArmEstimate:
         self._forget()

@@ -13,6 +13,7 @@ from common.geometry import Array
 from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.calibration.triangulation import image_of, triangulate
 from local_site.tracking.eye.arm_points import ELBOW, POINTS, WRIST
+from local_site.tracking.eye.crops import in_colour
 from local_site.tracking.eye.networks import EyeNetworks, sigmoid
 
 WIDTH, HEIGHT, CELL_PX = 192, 144, 4
@@ -54,7 +55,7 @@ class HandSearch:
     def _found(self, camera: CameraCalibration, picture: Image) -> list[FoundHand]:
         scale = min(WIDTH / picture.shape[1], HEIGHT / picture.shape[0])
         small = cv2.resize(picture, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-        colour = small if small.ndim == 3 else cv2.cvtColor(small, cv2.COLOR_GRAY2BGR)
+        colour = in_colour(np.asarray(small, np.uint8))
         padded = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
         padded[: colour.shape[0], : colour.shape[1]] = colour[:HEIGHT, :WIDTH]
         cells = self._networks.find(padded)

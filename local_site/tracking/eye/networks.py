@@ -88,5 +88,5 @@ def _session(name: NetworkName) -> Any:
     path = files("local_site.tracking.eye") / "models" / f"{name}.onnx"
     try:
         return ort.InferenceSession(path.read_bytes(), options, providers=["CPUExecutionProvider"])
-    except (OSError, RuntimeError) as error:
+    except Exception as error:  # the errors of the runtime have no base of their own
         raise ModelError(f"the network {name} cannot be read: {error}; install Farhand again") from error

@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from common.cameras.camera import Frame, Image
+from common.cameras.camera import Frame
 from common.geometry import Array
 from local_site.calibration.rig import CameraCalibration
 from local_site.calibration.triangulation import image_of, project
 from local_site.tracking.eye.arm_points import ELBOW, KNUCKLES, MIDDLE_KNUCKLE, POINTS, WRIST
-from local_site.tracking.eye.crops import ARM_M, CROP_PX, HAND_M, PictureCrop, crop_about
+from local_site.tracking.eye.crops import ARM_M, CROP_PX, HAND_M, PictureCrop, crop_about, in_colour
 from local_site.tracking.eye.fitted_points import PointSight
 from local_site.tracking.eye.networks import CropAnswer, EyeNetworks
 
@@ -60,7 +60,7 @@ class ViewEye:
 
         That takes a second, wider crop. A point outside of its crop, or at its edge, tells nothing.
         """
-        picture = _colour(frame.image)
+        picture = in_colour(frame.image)
         at = self.camera.distort_pixels(project(self.camera.matrix, points))
         px_per_m = float(np.linalg.norm(image_of(self.camera.matrix, points[WRIST])[1], 2))
         up = at[MIDDLE_KNUCKLE] - at[WRIST]
@@ -113,8 +113,3 @@ def _contour(crop: PictureCrop, answer: CropAnswer) -> NDArray[np.int32] | None:
         return None
     largest = max(contours, key=len)[:, 0].astype(np.float64)
     return np.rint(crop.in_picture((largest + 0.5) / MASK_PX)).astype(np.int32)
-
-
-def _colour(image: Image) -> Image:
-    """The picture with three colours, also of a grey camera."""
-    return image if image.ndim == 3 else np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2BGR), np.uint8)

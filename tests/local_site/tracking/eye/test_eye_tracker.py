@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -14,7 +15,9 @@ from lab.films.meshed import FilmedArm, MeshFilm, mesh_film
 from lab.films.surroundings import FilmSetting
 from local_site.simulation.room.config import SkinName
 from local_site.tracking.config import EyeConfig
+from local_site.tracking.eye.arm_points import AVERAGE_M
 from local_site.tracking.eye.eye_tracker import EyeTracker
+from local_site.tracking.eye.fitted_points import Lengths
 from local_site.tracking.tracker import ArmEstimate, TrackingReason, View, Views
 
 OFFICE = FilmSetting(room="office")
@@ -137,3 +140,44 @@ def test_too_few_views_and_wrong_pictures_are_named(short: TrackingFilm) -> None
     (views,) = _instants(short, 1)
     tracker = EyeTracker(short.rig)
     assert "1 views for 2" in tracker.track(Views(views.t_ns, views.views[:1])).reason
+
+
+def test_after_a_clock_that_jumps_back_the_hand_is_searched_at_once(short: TrackingFilm) -> None:
+    tracker = EyeTracker(short.rig, EyeConfig(initial_pairs=5))
+    views = list(_instants(short, 7))
+    assert [tracker.track(each).status for each in views][-1] is TrackingStatus.TRACKED
+    earlier = replace(views[-1], t_ns=views[-1].t_ns - 3600 * 10**9)
+    assert tracker.track(earlier).status is TrackingStatus.INITIALISING
+
+
+def test_a_third_camera_that_does_not_show_the_hand_prevents_no_start(short: TrackingFilm) -> None:
+    left = short.rig.cameras[0]
+    rig = msgspec.structs.replace(short.rig, cameras=(*short.rig.cameras, msgspec.structs.replace(left, name="third")))
+    tracker, found = EyeTracker(rig), []
+    for views in _instants(short, 3):
+        frame = views.views[0].current
+        dark = View(Frame(np.zeros_like(frame.image), frame.capture_ns, frame.seq))
+        found.append(tracker.track(Views(views.t_ns, (*views.views, dark))).status)
+    assert set(found) == {TrackingStatus.INITIALISING}
+
+
+def test_lengths_learned_of_one_hand_are_not_those_of_the_next(short: TrackingFilm) -> None:
+    tracker = EyeTracker(short.rig)
+    (views,) = _instants(short, 1)
+    tracker._lengths = Lengths(1.2 * AVERAGE_M, np.full(len(AVERAGE_M), 0.001))
+    tracker.track(Views(views.t_ns, views.views[:1]))
+    wrist = tracker.track(views).wrist
+    expected = EyeTracker(short.rig).track(views).wrist
+    assert wrist is not None
+    assert expected is not None
+    assert wrist == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("channels", [1, 2, 4])
+def test_pictures_of_other_channels_are_seen_grey_or_without_transparency(short: TrackingFilm, channels: int) -> None:
+    (views,) = _instants(short, 1)
+    shown = []
+    for frame in (view.current for view in views.views):
+        image = np.dstack([frame.image, frame.image[..., :1]])[..., :channels]
+        shown.append(View(Frame(np.ascontiguousarray(image), frame.capture_ns, frame.seq)))
+    assert EyeTracker(short.rig).track(Views(views.t_ns, tuple(shown))).status is TrackingStatus.INITIALISING
