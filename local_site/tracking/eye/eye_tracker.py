@@ -25,9 +25,10 @@ STEP_M, ACCELERATION_M_S2 = 0.006, 40.0  # how far a point is from where it was 
 LONGEST_S = 0.2  # of a loss of pictures or a jump of the clock, after which the hand is searched
 BARE, MOST_SPREAD_M = 0.9, 0.020  # of a hand to begin with: two views are that sure, and where its points are
 NOT_BARE, OTHER_SIDE = 0.25, 0.08
-MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 4, 3.0, 6.0
+MOST_STARTS, BEGUN_MISFIT, MOST_MISFIT = 4, 1.0, 3.0
+OUT_OF_STEP = 0.7  # of the misfit over some instants: views that fit have 0.1 to 0.3, of exchanged cameras 1 to 2
 MOST_SIGMA_M, MOST_ELBOW_SIGMA_M = 0.03, 0.05
-SIDE_MEMORY = 0.1  # weight of the newest instant
+MEMORY = 0.1  # weight of the newest instant in what is judged over some
 PATIENCE = 5  # instants in which nothing like a hand is seen, after which it is lost
 BIAS_M, ELBOW_BIAS_M = 0.006, 0.025  # by which a network errs in all pictures of a hand alike
 UNCLEAR_M = 0.04  # of a hand that may be none: so unsure a point stops the arm
@@ -55,7 +56,7 @@ class EyeTracker:
         self._lengths = Lengths.unknown()
         self._last: _LastArm | None = None
         self._pairs = self._unseen = self._turn = 0
-        self._side = 0.5
+        self._side, self._misfit = 0.5, 0.0
 
     def track(self, views: Views) -> ArmEstimate:
         """The arm at the views' instant; a frame that cannot be tracked gives the reason."""
@@ -67,15 +68,21 @@ class EyeTracker:
         sights, fit = self._follow(views, self._last) if self._last is not None else self._begin(views)
         if fit is None:
             return self._lost(views, TrackingReason.NO_HAND)
-        side = float(np.mean([sight.side for sight in sights]))
-        self._side = side if self._last is None else self._side + SIDE_MEMORY * (side - self._side)
+        self._judge(sights, fit)
         self._unseen = self._unseen + 1 if self._is_doubtful(sights, fit) else 0
         if self._unseen > PATIENCE or not np.isfinite(fit.points).all():
             return self._lost(views, TrackingReason.NO_HAND)
-        if self._pairs >= self._needed and self._side < OTHER_SIDE:
-            return self._lost(views, TrackingReason.OTHER_SIDE)
+        if self._pairs >= self._needed and (self._side < OTHER_SIDE or self._misfit > OUT_OF_STEP):
+            is_other = self._side < OTHER_SIDE
+            return self._lost(views, TrackingReason.OTHER_SIDE if is_other else TrackingReason.OUT_OF_STEP)
         self._keep(views.t_ns, fit)
         return self._estimate(views.t_ns, sights, fit)
+
+    def _judge(self, sights: Sequence[ViewSight], fit: FittedPoints) -> None:
+        """Average how much the hand looks like one of the operator's side, and how well the views fit together."""
+        side, share = float(np.mean([sight.side for sight in sights])), 1.0 if self._last is None else MEMORY
+        self._side += share * (side - self._side)
+        self._misfit += share * (fit.misfit - self._misfit)
 
     def _begin(self, views: Views) -> tuple[list[ViewSight], FittedPoints | None]:
         """Search for a hand, and look at it more and more closely; at one of those that were found in each instant."""
@@ -163,7 +170,7 @@ class EyeTracker:
         return tuple(overlays)
 
     def _forget(self) -> None:
-        self._last, self._unseen, self._side = None, 0, 0.5
+        self._last, self._unseen, self._side, self._misfit = None, 0, 0.5, 0.0
         self._pairs, self._lengths = 0, Lengths.unknown()  # the next hand may be another person's
 
     def _lost(self, views: Views, reason: str) -> ArmEstimate:

@@ -76,8 +76,10 @@ def picture_problem(image: Image, camera: CameraCalibration) -> str:
 
 def views_problem(rig: Rig, views: Views, least: int) -> str:
     """Say why the pictures of an instant cannot be those of a rig with at least so many cameras; empty if they can."""
-    if len(views.views) != len(rig.cameras) or len(views.views) < least:
+    if len(views.views) != len(rig.cameras):
         return f"{len(views.views)} views for {len(rig.cameras)} calibrated cameras"
+    if len(views.views) < least:
+        return f"this tracker needs {least} cameras at least; calibrate a rig of as many"
     problems = [
         f"{camera.name}: {problem}"
         for camera, view in zip(rig.cameras, views.views, strict=True)

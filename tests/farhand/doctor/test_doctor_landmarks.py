@@ -6,7 +6,9 @@ import pytest
 
 from farhand.doctor import landmarks
 from farhand.doctor.examination import examine_local
+from farhand.doctor.findings import Severity
 from farhand.doctor.landmarks import check_landmarks, probe_landmarks
+from farhand.doctor.networks import check_networks
 from local_site.config import LocalConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.landmarks.model_files import FOLDER, MODEL_FILES
@@ -45,6 +47,14 @@ def test_only_the_tracker_that_uses_them_is_asked_for_them(cache: Path) -> None:
     assert not cache.exists()
     checks = {
         method: {finding.check for finding in examine_local(LocalConfig(tracking=TrackingConfig(method=method)))}
-        for method in ("silhouette", "learned")
+        for method in ("silhouette", "learned", "eye")
     }
     assert checks["learned"] - checks["silhouette"] == {"runtime of the landmarks", "landmark models"}
+    assert checks["eye"] - checks["silhouette"] == {"networks of the tracker"}
+
+
+def test_networks_that_cannot_be_run_are_an_error_with_its_cure() -> None:
+    assert check_networks("").level is Severity.OK
+    wrong = check_networks("the network arm cannot be read")
+    assert wrong.level is Severity.ERROR
+    assert "reinstall" in wrong.cure

@@ -181,3 +181,13 @@ def test_pictures_of_other_channels_are_seen_grey_or_without_transparency(short:
         image = np.dstack([frame.image, frame.image[..., :1]])[..., :channels]
         shown.append(View(Frame(np.ascontiguousarray(image), frame.capture_ns, frame.seq)))
     assert EyeTracker(short.rig).track(Views(views.t_ns, tuple(shown))).status is TrackingStatus.INITIALISING
+
+
+@pytest.mark.slow
+def test_exchanged_cameras_are_never_tracked() -> None:
+    film = mesh_film(MeshFilm(name="a", seconds=1.5))
+    tracker, statuses = EyeTracker(film.rig), set()
+    for instant in film.instants():
+        views = instant.views
+        statuses.add(tracker.track(Views(views.t_ns, views.views[::-1])).status)
+    assert TrackingStatus.TRACKED not in statuses
