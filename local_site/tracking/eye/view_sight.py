@@ -90,8 +90,9 @@ class ViewEye:
 
 
 def blended(before: ViewSight, after: ViewSight, weight: float) -> ViewSight:
-    """The arm between two exposures, by the weight of the second."""
-    pixels = (1.0 - weight) * before.pixels + weight * after.pixels
+    """Place the arm between two exposures, by the weight of the second; what the first does not tell is as in that."""
+    told = np.isfinite(before.covariances[:, 0, 0])[:, None]
+    pixels = np.where(told, (1.0 - weight) * before.pixels + weight * after.pixels, after.pixels)
     return ViewSight(pixels, after.covariances, after.bare, after.side, after.contour)
 
 
