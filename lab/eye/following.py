@@ -10,11 +10,10 @@ from lab.eye.arms.views import CROP_M
 from lab.eye.network import EyeNetwork
 from local_site.calibration.rig import CameraCalibration, Rig
 from local_site.calibration.triangulation import image_of, project, triangulate_many
-from local_site.tracking.eye.arm_points import INDEX_KNUCKLE, LITTLE_KNUCKLE, MIDDLE_KNUCKLE, WRIST
+from local_site.tracking.eye.arm_points import KNUCKLES, MIDDLE_KNUCKLE, WRIST
 from local_site.tracking.eye.crops import crop_about
 
 Picture = NDArray[np.uint8]
-KNUCKLES = [INDEX_KNUCKLE, MIDDLE_KNUCKLE, LITTLE_KNUCKLE]
 PALM_M = 0.09  # from the wrist to the knuckles, where only the fingertips are known
 
 
@@ -52,7 +51,7 @@ class EyeFollower:
         at = camera.distort_pixels(project(camera.matrix, points))
         _, jacobian, _ = image_of(camera.matrix, points[WRIST])
         width_px = CROP_M[kind] * float(np.linalg.norm(jacobian, 2))
-        middle = at[WRIST] if kind == "arm" else at[KNUCKLES].mean(axis=0)
+        middle = at[WRIST] if kind == "arm" else at[list(KNUCKLES)].mean(axis=0)
         crop = crop_about(middle, at[MIDDLE_KNUCKLE] - at[WRIST], width_px)
         rgb = torch.from_numpy(crop.cut(picture)[:, :, ::-1].copy()).permute(2, 0, 1)[None]
         _, found, _, _ = self._networks[kind](rgb.float() / 127.5 - 1.0)

@@ -15,10 +15,11 @@ from lab.eye.pictures.lighting import random_light, random_shine
 from lab.eye.pictures.random_tensors import Draw
 from lab.eye.pictures.skin_tones import TONES, SkinColours
 from local_site.tracking.eye.arm_points import ELBOW, POINTS, WRIST
+from local_site.tracking.eye.crops import CROP_PX
 
 OTHER, HAND, FOREARM, UPPER_ARM, CLOTH = range(5)
 CLASSES = 5
-SIZE = 192  # px of a crop
+SIZE = CROP_PX
 FINER = 2  # pixels are drawn this much finer, and averaged
 FINGER_DEPTH_M, WRIST_DEPTH_M, ELBOW_DEPTH_M = (
     0.022,
