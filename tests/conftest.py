@@ -31,6 +31,7 @@ LAST = (
     HERE / "examples",
     HERE / "browser",
     HERE / "loopback" / "test_loopback.py",
+    HERE / "loopback" / "test_dying_site.py",
     IN_A_ROOM,
     HERE / "farhand" / "doctor" / "link",
     HERE / "lab" / "measure" / "wan",
@@ -42,7 +43,6 @@ WAITING = (
     HERE / "common" / "link",
     HERE / "farhand" / "certificates",
     HERE / "common" / "process" / "test_life.py",
-    HERE / "loopback" / "test_dying_site.py",
     HERE / "farhand" / "doctor",
 )
 
