@@ -1,7 +1,9 @@
-"""Why an endpoint refuses a session: Zenoh does not report it, so a TLS handshake of our own finds out."""
+"""Why an endpoint refuses a session, or lets in no QUIC: Zenoh does not report it, so a TLS handshake finds out."""
 
 import socket
 import ssl
+import time
+from collections.abc import Callable
 
 from common.link.credentials import Credentials, client_context, common_name, verdict
 from common.link.endpoints import Endpoint
@@ -24,6 +26,8 @@ ALERTS = {  # by the end of OpenSSL's reason
     "CERTIFICATE_UNKNOWN": "reports that it is invalid: do both sites have certificates of one authority?",
     "UNSUPPORTED_CERTIFICATE": "reports that it is not made for this use",
 }
+QUIC_PATIENCE_S = 3.0  # a site that has just started answers by TLS before it does by QUIC
+QUIC_ANSWERS = 20.0  # times as long as TLS took to answer: a lost packet of the handshake costs QUIC a second
 
 
 def refusal(endpoint: Endpoint, credentials: Credentials | None) -> str | None:
@@ -114,3 +118,44 @@ def _alert_refusal(reason: str, endpoint: Endpoint, credentials: Credentials) ->
     why = next((sentence for name, sentence in ALERTS.items() if reason.endswith(name)), f"reports {reason}")
     refused = f"{endpoint} refuses the certificate {credentials.tls.certificate}: it {why}"
     return f"{refused}; {VIEWERS_CURE}" if credentials.identity.role is Role.VIEWER else refused
+
+
+def blocked_sentence(endpoint: Endpoint, *, was_up: bool) -> str:
+    """Say that QUIC is blocked where TLS comes through, as by a firewall that lets no UDP pass, and the cure."""
+    no = "no longer" if was_up else "not"
+    return (
+        f"{endpoint} answers by TLS, but {no} by QUIC: let UDP through to port {endpoint.port}, or write the "
+        f"endpoint as tls/{endpoint.address} at both sites"
+    )
+
+
+class QuicBlockageDetector:
+    """Becomes certain about one link's endpoint that answers by TLS for QUIC_PATIENCE_S but never by QUIC.
+
+    Over a long way it takes longer, QUIC_ANSWERS times as long as an answer by TLS.
+    """
+
+    def __init__(self) -> None:
+        self._tls_answers_since_s: float | None = None
+
+    def blocked(
+        self,
+        endpoint: Endpoint,
+        *,
+        was_up: bool,
+        speaks_tls: Callable[[Endpoint], bool] = speaks_tls,
+        now_s: Callable[[], float] = time.monotonic,
+    ) -> str | None:
+        """Why the endpoint is blocked, None while it may still answer.
+
+        A link that was up before comes back after an outage, so it is not counted as blocked.
+        """
+        asked_s = now_s()
+        if not endpoint.is_quic or was_up or not speaks_tls(endpoint):
+            self._tls_answers_since_s = None
+            return None
+        answered_s = now_s()
+        if self._tls_answers_since_s is None:
+            self._tls_answers_since_s = answered_s
+        patience_s = max(QUIC_PATIENCE_S, QUIC_ANSWERS * (answered_s - asked_s))
+        return None if answered_s - self._tls_answers_since_s < patience_s else blocked_sentence(endpoint, was_up=False)

@@ -17,9 +17,15 @@ from common.link.config import ON_THIS_HOST, LinkSecurity
 from common.link.credentials import Credentials, load_credentials
 from common.link.endpoints import Endpoint, check_endpoint, check_free
 from common.link.lanes import LANES, LanePublisher
-from common.link.probe import VIEWERS_CURE, identity_refusal, refusal, speaks_tls
+from common.link.probe import (
+    VIEWERS_CURE,
+    QuicBlockageDetector,
+    blocked_sentence,
+    identity_refusal,
+    refusal,
+    speaks_tls,
+)
 from common.link.pubsub import Latest, Publisher
-from common.link.quic_blockage import QuicBlockageDetector, blocked_sentence
 from common.link.roles import Role
 from common.link.runtime import prepare
 from common.link.send_queues import SendQueues

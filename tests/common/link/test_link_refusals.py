@@ -69,7 +69,7 @@ def test_a_stranger_who_trusts_us_is_told_that_we_do_not_trust_it(pki: Path, cel
 
 @pytest.mark.slow
 def test_quic_where_only_tls_comes_through_says_what_is_blocked(pki: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("common.link.quic_blockage.QUIC_PATIENCE_S", 1.0)
+    monkeypatch.setattr("common.link.probe.QUIC_PATIENCE_S", 1.0)
     with running(secured(pki, "remote"), "tls") as cell:
         endpoint = cell.endpoint.replace("tls/", "quic/")
         with open_link(connect=(endpoint,), security=secured(pki, "operator.anna")) as link:
@@ -78,7 +78,7 @@ def test_quic_where_only_tls_comes_through_says_what_is_blocked(pki: Path, monke
 
 @pytest.mark.slow
 def test_quic_that_has_been_there_is_not_said_to_be_blocked(pki: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("common.link.quic_blockage.QUIC_PATIENCE_S", 0.2)
+    monkeypatch.setattr("common.link.probe.QUIC_PATIENCE_S", 0.2)
     with ExitStack() as stack:
         with running(secured(pki, "remote"), "quic") as cell:
             link = stack.enter_context(open_link(connect=(cell.endpoint,), security=secured(pki, "operator.anna")))

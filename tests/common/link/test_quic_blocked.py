@@ -9,7 +9,7 @@ import pytest
 
 from common.link.channels import CLOCK, TROUBLE
 from common.link.endpoints import Endpoint
-from common.link.quic_blockage import QuicBlockageDetector
+from common.link.probe import QuicBlockageDetector
 from common.link.remote_clock import RemoteClock
 from common.link.transport import open_link
 from common.messages.requests import ClockAnswer, ClockQuestion, TroubleNoted
