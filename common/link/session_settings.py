@@ -1,5 +1,6 @@
-"""The settings of a Zenoh session, key by key: endpoints, short leases, caps, and who may do what; pure."""
+"""The settings of a Zenoh session: key by key, and those of its threads, which it reads in the environment alone."""
 
+import os
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
@@ -23,6 +24,19 @@ MAX_MESSAGE_BYTES = 2 * max(channel.max_bytes for channel in CHANNELS)  # of fra
 DEAF_AFTER_US = 10_000  # a neighbour that takes nothing for so long is disconnected: all others wait meanwhile
 MAX_NEIGHBOURS, MAX_AT_ROUTER = 64, 1024
 PICTURES_SEND_BUFFER_BYTES = 1 << 17  # Linux takes twice that: 8 Mbit/s over 240 ms; what waits in more is old
+# Closing a TCP or TLS connection, Zenoh waits until the other side has acknowledged what was sent last, for ten seconds
+# if need be. It does so in a thread of which there is one for all connections that are accepted, with all of QUIC, one
+# for those that are made, and one for all sending. A far site that asked by TLS why it got no answer by QUIC so held up
+# the hand samples for a round trip and more; one that vanished meanwhile would for ten seconds.
+THREADS = 3  # of each kind: so many connections may be closing at once and hold up no other
+LINGER_S = 1
+STACK_BYTES = 32 << 20  # a neighbour's names are forgotten chunk by chunk, one call within another
+ENVIRONMENT = {
+    "ZENOH_RUNTIME": f"({', '.join(f'{kind}: (worker_threads: {THREADS})' for kind in ('acc', 'net', 'tx', 'rx'))})",
+    "TCP_LINGER_TIMEOUT": str(LINGER_S),
+    "TLS_LINGER_TIMEOUT": str(LINGER_S),
+    "RUST_MIN_STACK": str(STACK_BYTES),
+}
 
 
 class Mode(StrEnum):
@@ -128,3 +142,9 @@ def _tls_settings(tls: TlsConfig) -> dict[str, Any]:
         "verify_name_on_connect": True,
         "close_link_on_expiration": True,
     }
+
+
+def prepare_environment() -> None:
+    """Set the environment, which Zenoh reads when a process opens its first session; what is set there stays."""
+    for name, value in ENVIRONMENT.items():
+        os.environ.setdefault(name, value)

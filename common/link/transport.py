@@ -27,10 +27,9 @@ from common.link.probe import (
 )
 from common.link.pubsub import Latest, Publisher
 from common.link.roles import Role
-from common.link.runtime import prepare
 from common.link.send_queues import SendQueues
 from common.link.servers import REFUSAL, IdempotentServer, OnRefused, QuestionServer, Replied, Requested
-from common.link.session_settings import Mode, Served, SessionEndpoints, session_settings
+from common.link.session_settings import Mode, Served, SessionEndpoints, prepare_environment, session_settings
 from common.link.tap import MessageTap, untapped
 from common.messages.base import Message
 from common.messages.codec import decode, encode
@@ -363,7 +362,7 @@ def _open_through_router(endpoints: SessionEndpoints, served: Served, should_sto
 
 def open_session(endpoints: SessionEndpoints, served: Served) -> zenoh.Session:
     """A session of Zenoh with our settings; TransportError when it cannot be opened."""
-    prepare()
+    prepare_environment()
     config = zenoh.Config()
     for key, value in session_settings(endpoints, served).items():
         config.insert_json5(key, json.dumps(value))

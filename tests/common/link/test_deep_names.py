@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from common.link.channels import STATE
-from common.link.runtime import STACK_BYTES
+from common.link.session_settings import STACK_BYTES
 from common.link.transport import open_link
 from lab.stage.waiting import until
 from tests.common.link.secured_cell import CELL, ROBOT_STATE, dishonest, free_port
