@@ -17,10 +17,9 @@ from farhand.arm_import.design import Design, LoadedArm, design, tool_capsules, 
 from farhand.arm_import.files import Places, read_urdf
 from farhand.arm_import.prepared import PreparedArm, cover_links, prepare
 from farhand.arm_import.writing.manifest import with_manifest
-from farhand.arm_import.writing.meshes import gather_meshes
 from farhand.arm_import.writing.summary import Written, changes, summary
 from farhand.arm_import.writing.toml import toml_text
-from farhand.arm_import.writing.urdf import urdf_text
+from farhand.arm_import.writing.urdf import gather_meshes, urdf_text
 from farhand.deployment.schemas import add_schema, schema_line
 from farhand.terminal import ShowProgress
 from remote_site.config import RemoteConfig

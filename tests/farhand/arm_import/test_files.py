@@ -9,7 +9,7 @@ from common.errors import ConfigError, ModelError
 from farhand.arm_import.description.elements import Shape, Sphere, UrdfLink, UrdfMesh, UrdfRobot
 from farhand.arm_import.files import Places, read_urdf
 from farhand.arm_import.writing.manifest import with_manifest
-from farhand.arm_import.writing.meshes import gather_meshes
+from farhand.arm_import.writing.urdf import gather_meshes
 
 SOURCE = Path("maker.urdf")
 

@@ -23,9 +23,8 @@ from farhand.arm_import.import_arm import ImportRequest, import_arm
 from farhand.arm_import.prepared import PreparedArm
 from farhand.arm_import.shapes.capsule import Capsule
 from farhand.arm_import.writing.manifest import digests_in, is_as_written, with_manifest
-from farhand.arm_import.writing.meshes import gather_meshes
 from farhand.arm_import.writing.toml import toml_text
-from farhand.arm_import.writing.urdf import urdf_text
+from farhand.arm_import.writing.urdf import gather_meshes, urdf_text
 from remote_site.kinematics.limits import JointLimits
 from tests.farhand.arm_import.published import publish, unseen
 
