@@ -15,13 +15,12 @@ from common.text import escaped
 from farhand.commands.arm import arm_app
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app, limits, tracker_app
-from farhand.commands.configurations import config_app
+from farhand.commands.configurations import config_app, setup
 from farhand.commands.export import export_app
 from farhand.commands.files import certificates_app, models_app
 from farhand.commands.record import episode_app, record_app
 from farhand.commands.replay import replay
 from farhand.commands.requests import disengage, engage, lease_app, maintenance_app, reset_arm, stop_arm
-from farhand.commands.setting_up import setup
 from farhand.commands.simulations import experiment, loopback
 from farhand.commands.sites import console, local, remote, router
 from farhand.commands.status import status

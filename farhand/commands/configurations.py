@@ -1,4 +1,4 @@
-"""The commands under `farhand config`: configurations printed, written and checked."""
+"""`farhand setup` and the commands under `farhand config`: configurations made with a person, printed, checked."""
 
 import tomllib
 from pathlib import Path
@@ -9,12 +9,44 @@ import typer
 from farhand.commands.completion import configuration_names
 from farhand.commands.options import AsJson
 from farhand.exits import FAILED
-from farhand.terminal import tell
+from farhand.terminal import progress_bar, tell
 
 config_app = typer.Typer(
     help="Print, write and check configurations.\n\nExample: farhand config init sites",
     no_args_is_help=True,
 )
+
+
+def setup(
+    out: Annotated[Path, typer.Option(help="Folder for all that is made; a second run goes on from there.")] = Path(
+        "setup"
+    ),
+    camera: Annotated[
+        list[str] | None, typer.Option(help="A camera that is not found: device or URL; repeat it for each.")
+    ] = None,
+) -> None:
+    """Set up two cameras with questions and answers: find them, print the board, calibrate, try the tracker, configure.
+
+    Example: farhand setup --out my-setup
+    """
+    from common.cameras.modes import device_of, list_modes
+    from common.cameras.sources import open_camera
+    from common.host_clock import MonotonicClock
+    from farhand.setup.conversation import TerminalPerson
+    from farhand.setup.finding_cameras import find_devices
+    from farhand.setup.steps import Tools, set_up
+    from farhand.setup.trial import views_for
+
+    person, clock = TerminalPerson(), MonotonicClock()
+    named = tuple(camera or ())
+    tools = Tools(
+        find=lambda: [*named, *(found for found in find_devices() if found not in named)],
+        modes=lambda source: list_modes(device) if (device := device_of(source)) else (),
+        open=lambda source, name, settings: open_camera(source, name, settings=settings),
+        views=lambda cameras, pairing, seconds: views_for(cameras, pairing, clock, seconds),
+        progress=progress_bar,
+    )
+    set_up(out, person, tools)
 
 
 @config_app.command("show")
