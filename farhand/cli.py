@@ -22,8 +22,7 @@ from farhand.commands.record import episode_app, record_app
 from farhand.commands.replay import replay
 from farhand.commands.requests import disengage, engage, lease_app, maintenance_app, reset_arm, stop_arm
 from farhand.commands.simulations import experiment, loopback
-from farhand.commands.sites import console, local, remote, router
-from farhand.commands.status import status
+from farhand.commands.sites import console, local, remote, router, status
 from farhand.commands.teach import teach_app
 from farhand.commands.track import track
 from farhand.exits import FAILED, INTERRUPTED, MISUSE

@@ -1,4 +1,4 @@
-"""`farhand remote`, `local`, `console` and `router`: a process of a site, until SIGTERM or Ctrl-C."""
+"""`farhand remote`, `local`, `console`, `router`: a site's process, until SIGTERM or Ctrl-C; `status`: what they do."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,10 +8,16 @@ import typer
 from common.process.log import LogFormat
 from farhand.commands.completion import driver_names
 from farhand.commands.options import (
+    AsJson,
+    CellName,
     ConfigFile,
     Emulate,
+    LinksFile,
     LogLines,
+    RemoteEndpoint,
     Settings,
+    VideoEndpoint,
+    console_config,
     driver_file,
     emulation,
     load_own,
@@ -94,3 +100,31 @@ def router(
         typer.echo(zenohd_configuration(loaded))
     else:
         run_router(loaded, until_signal(), log_format)
+
+
+def status(
+    cell: CellName = "",
+    at: RemoteEndpoint = "",
+    video: VideoEndpoint = "",
+    config: LinksFile = None,
+    once: Annotated[bool, typer.Option("--once", help="Print it once, after three seconds of counting.")] = False,
+    no_pictures: Annotated[
+        bool, typer.Option("--no-pictures", help="Count no pictures: for that they are sent here, too.")
+    ] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Show what a cell does, live until Ctrl-C: state, lease, rates, ages, control, recorder, gripper, versions.
+
+    It needs no lease, and changes nothing. Where the output is no terminal, or as JSON, it is printed once.
+
+    Example: farhand status --once
+    """
+    from rich.console import Console
+
+    from farhand.status.watch import print_status, show_status
+
+    links = console_config(config, cell=cell, control=at, video=video)
+    if as_json:
+        print_status(links, until_signal(), pictures=not no_pictures)
+    else:
+        show_status(links, until_signal(), Console(), once=once, pictures=not no_pictures)
