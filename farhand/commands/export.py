@@ -1,12 +1,16 @@
 """`farhand export`: recordings as a LeRobot dataset, as tables, as videos."""
 
+import importlib
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from common.errors import NotInstalledError
 from farhand.commands.options import AsJson, until_signal
 from farhand.terminal import progress_bar, tell
+
+NEEDED = "av", "pyarrow"
 
 export_app = typer.Typer(
     help="Turn recordings into data for others.\n\nExample: farhand export mp4 recordings/*.mcap --out videos",
@@ -33,9 +37,7 @@ def lerobot(
 
     Example: farhand export lerobot recordings/*.mcap --out dataset
     """
-    from farhand.export.installed import check_installed
-
-    check_installed()
+    _check_installed()
     from farhand.export.lerobot.dataset_export import ExportSettings, export_lerobot
     from farhand.export.recording import open_sessions
 
@@ -67,12 +69,20 @@ def mp4(sessions: Sessions, out: Folder, fps: Rate = 25, as_json: AsJson = False
 
     Example: farhand export mp4 recordings/*.mcap --out videos
     """
-    from farhand.export.installed import check_installed
-
-    check_installed()
+    _check_installed()
     from farhand.export.recording import open_sessions
     from farhand.export.videos.write import export_mp4
 
     with open_sessions(sessions) as opened, progress_bar() as show:
         written = export_mp4(opened, out, fps, until_signal(), show)
     tell([f"written: {', '.join(map(str, written))}"], {"written": written}, as_json=as_json)
+
+
+def _check_installed() -> None:
+    """NotInstalledError, with the command for it, where the extra `export` is missing."""
+    try:
+        for module in NEEDED:
+            importlib.import_module(module)
+    except ImportError as error:
+        cure = "pip install 'farhand[export]'"
+        raise NotInstalledError(f"to export, PyAV and pyarrow are needed ({error}): {cure}") from error
