@@ -56,7 +56,7 @@ def csv(sessions: Sessions, out: Folder, fps: Rate = 50, as_json: AsJson = False
     Example: farhand export csv recordings/*.mcap --out tables
     """
     from farhand.export.recording import open_sessions
-    from farhand.export.tables.write import export_csv
+    from farhand.export.tables import export_csv
 
     with open_sessions(sessions) as opened:
         written = export_csv(opened, out, fps, until_signal())

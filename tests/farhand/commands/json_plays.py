@@ -149,7 +149,7 @@ PLAYS: dict[str, Play] = {
         EXPORTS | {"farhand.export.lerobot.dataset_export.export_lerobot": gives(ExportSummary(1, 20, 20, ("b",)))},
     ),
     "export csv": Play(
-        ["a.mcap", "--out", "tables"], EXPORTS | {"farhand.export.tables.write.export_csv": gives([Path("a.csv")])}
+        ["a.mcap", "--out", "tables"], EXPORTS | {"farhand.export.tables.export_csv": gives([Path("a.csv")])}
     ),
     "export mp4": Play(
         ["a.mcap", "--out", "videos"], EXPORTS | {"farhand.export.videos.write.export_mp4": gives([Path("a.mp4")])}

@@ -13,7 +13,7 @@ from common.errors import ConfigError, ExportError, InterruptionError, Recording
 from farhand.export.lerobot.dataset_export import ExportSettings, export_lerobot
 from farhand.export.resampling import MOST_INSTANTS
 from farhand.export.session import RecordedSession, SessionEpisode, SessionFacts, SessionSignals, episode_at
-from farhand.export.tables.write import export_csv
+from farhand.export.tables import export_csv
 from farhand.export.videos.write import export_mp4
 from tests.farhand.export.made_session import BEGIN_NS, MadeSession
 

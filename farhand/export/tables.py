@@ -1,14 +1,16 @@
-"""A session as a table: a row an instant, with units in the head; text in, text out, pure."""
+"""Recorded sessions as tables: CSV, a row an instant, with units in the head."""
 
 import csv
 import io
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 
 from common.clock import NS_PER_S
-from farhand.export.resampling import SessionRows, blocks, rows_at
-from farhand.export.session import SessionFacts, SessionSignals, Times, episode_at
+from farhand.export.output_files import ShouldStop, go_on, written_each
+from farhand.export.resampling import SessionRows, blocks, check_length, instants, rows_at
+from farhand.export.session import RecordedSession, SessionFacts, SessionSignals, Times, episode_at
 
 CALCULATED = ("=", "+", "-", "@", "\t", "\r", "\n")  # what a spreadsheet takes for the beginning of a formula
 TOOL_HEAD = ("tool.x [m]", "tool.y [m]", "tool.z [m]", "tool.qx [1]", "tool.qy [1]", "tool.qz [1]", "tool.qw [1]")
@@ -18,6 +20,7 @@ TIMES_HEAD = (
     "hand exposed [ns UTC]",
     "hand exposed [ns operator's clock]",
 )
+SUFFIX = ".csv"
 
 
 def head(facts: SessionFacts) -> list[str]:
@@ -68,3 +71,20 @@ def _line(cells: Sequence[object]) -> str:
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerow(cells)
     return text.getvalue()
+
+
+def export_csv(sessions: Sequence[RecordedSession], out: Path, fps: int, should_stop: ShouldStop) -> list[Path]:
+    """Write a table of each session; ConfigError if one of them exists, ExportError if one would be too long."""
+    for session in sessions:
+        facts = session.facts
+        check_length(facts, facts.end_ns - facts.begin_ns, fps)
+
+    def write(session: RecordedSession, path: Path) -> None:
+        facts = session.facts
+        at = instants(facts.begin_ns, facts.end_ns, fps)
+        with path.open("w", encoding="utf-8", newline="") as file:
+            for line in lines(facts, session.signals(), at):
+                go_on(should_stop)
+                file.write(line)
+
+    return written_each(sessions, out, SUFFIX, write)

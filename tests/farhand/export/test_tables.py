@@ -9,8 +9,7 @@ import pytest
 
 from common.errors import ConfigError, ExportError, InterruptionError
 from farhand.export.session import episode_at
-from farhand.export.tables.table import head
-from farhand.export.tables.write import export_csv
+from farhand.export.tables import export_csv, head
 from tests.farhand.export.made_session import EPOCH_NS, MadeSession, at_s, joints
 
 

@@ -1,1 +1,0 @@
-"""Recorded sessions as tables: CSV, a row an instant."""
