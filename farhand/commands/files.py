@@ -41,8 +41,7 @@ def create_command(
 
     Example: farhand certificates create lab --host robot.example.org --operator anna
     """
-    from farhand.certificates.folder import CertificateOrder, create
-    from farhand.certificates.guidance import guidance
+    from farhand.certificates.folder import CertificateOrder, create, guidance
 
     order = CertificateOrder(cell, tuple(host or ()), days, tuple(operator or ()))
     made = create(folder, order, datetime.now(UTC))
