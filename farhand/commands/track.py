@@ -95,8 +95,7 @@ def track(
 
 def _site(config: Path | None, settings: Sequence[str], tracker: str | None, shown_joints: str | None) -> "LocalConfig":
     """The local site's configuration with the tracker that is asked for; a warning for each setting left unused."""
-    from farhand.tracking.given_settings import refuse_other_tracker, unused_settings
-    from farhand.tracking.track_run import joint_settings
+    from farhand.tracking.track_run import joint_settings, refuse_other_tracker, unused_settings
     from local_site.config import LocalConfig
 
     chosen = [] if tracker is None else [f"tracking.method={tracker}"]

@@ -1,11 +1,12 @@
-"""`farhand track`: opens rig and cameras, checks where the results go, shows progress."""
+"""`farhand track`: checks its settings and where the results go, opens rig and cameras, shows progress."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import msgspec
 from rich.console import Console
@@ -13,6 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 
 from common.cameras.shown_source import shown_source
 from common.cameras.sources import recorded_fps
+from common.config.loading import apply_setting, load_config
 from common.errors import ConfigError
 from farhand.tracking.recorded_pairs import refuse_odd_rate, refuse_other_rates, stated_pairs
 from farhand.tracking.results.outputs import TrackOutputs
@@ -24,6 +26,7 @@ from local_site.calibration.rig_file import load_rig
 from local_site.config import LocalConfig
 from local_site.runtime.warm_up import warm_up
 from local_site.tracking.choice import TrackingConfig
+from local_site.tracking.registry import tracker_names
 
 JOINTS = ("shoulder", "elbow", "wrist")
 START, SILHOUETTE = "tracking.monocular.start", "silhouette"
@@ -107,3 +110,37 @@ def joint_settings(text: str) -> list[str]:
         )
     given = [f"{START}.{joint}_px=[{x}, {y}]" for joint, (x, y) in zip(JOINTS, pixels, strict=True)]
     return [f"{START}.by=joints", *given]
+
+
+def refuse_other_tracker(tracker: str, settings: Sequence[str]) -> None:
+    """ConfigError if the settings name a tracker that there is not, or another than --tracker or --monocular does."""
+    method = _given_tracking(settings).get("method", tracker)
+    if method == tracker:
+        return
+    load_config(LocalConfig, None, [f"tracking.method={method}"])
+    raise ConfigError(
+        f"--set tracking.method={method}: an option asks for the tracker {tracker}; leave one of them out"
+    )
+
+
+def unused_settings(tracking: TrackingConfig, settings: Sequence[str]) -> Iterator[str]:
+    """A sentence for each setting that a track does not use, though a person may expect it to.
+
+    Of tables of other trackers only `settings`, those of the command line, count: a file may hold the tables of all.
+    """
+    if tracking.profile_dir:
+        yield "tracking.profile_dir is not used here: a track learns hand and forearm anew, and keeps no profile"
+    used, given = tracking.method, _given_tracking(settings)
+    for other in tracker_names():
+        for key in given.get(other, {}) if other != used else ():
+            cure = f"give tracking.{used}.{key}" if hasattr(getattr(tracking, used, None), key) else "leave it out"
+            yield f"tracking.{other}.{key} belongs to the tracker {other}, but {used} is in use: {cure}"
+
+
+def _given_tracking(settings: Sequence[str]) -> dict[str, Any]:
+    """The table `tracking` of settings, unchecked."""
+    table: dict[str, Any] = {}
+    for setting in settings:
+        apply_setting(table, setting)
+    tracking = table.get("tracking", {})
+    return tracking if isinstance(tracking, dict) else {}
