@@ -11,7 +11,7 @@ from common.link.credentials import TABLE, check_viewers
 from common.link.endpoints import check_endpoint
 from common.link.roles import Identity, Role
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
-from farhand.doctor import arm, cameras, landmarks, machine, networks, site
+from farhand.doctor import arm, cameras, landmarks, machine, site
 from farhand.doctor.findings import Finding, error, ok
 from farhand.doctor.link.protocols import examine_link
 from farhand.router import TLS_TABLE as ROUTERS_TLS
@@ -139,7 +139,7 @@ def examine_local(config: LocalConfig) -> list[Finding]:
     if config.tracking.method == "learned":
         findings += landmarks.check_landmarks(landmarks.probe_landmarks())
     if config.tracking.method == "eye":
-        findings.append(networks.check_networks(networks.probe_networks()))
+        findings.append(machine.check_networks(machine.probe_networks()))
     findings += _examine_links(links, (links.remote, links.listen), config.bearer)
     if not operator.is_simulated:
         rig = cameras.probe_rig(operator.rig, datetime.now(UTC))

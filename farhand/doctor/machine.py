@@ -1,4 +1,4 @@
-"""Requirements of the machine: each fact is probed, then judged by a pure check."""
+"""Requirements of the machine and its installation: each fact is probed, then judged by a pure check."""
 
 import importlib.metadata
 import os
@@ -11,8 +11,9 @@ from contextlib import suppress
 from pathlib import Path
 
 import local_site
-from common.errors import CameraError
+from common.errors import CameraError, ModelError
 from farhand.doctor.findings import Finding, error, ok, warning
+from local_site.tracking.eye.networks import EyeNetworks
 
 LEAST_PYTHON = (3, 11)
 LEAST_PRIORITY = 50
@@ -174,3 +175,19 @@ def check_cache(folder: str, writable: bool, compiled: int) -> Finding:
         cure = "none is needed; to compile now: python -m local_site.runtime.warm_up"
         return warning("compiled code", f"none yet in {folder}: the first start takes up to a minute", cure)
     return ok("compiled code", f"{compiled} functions in {folder}")
+
+
+def probe_networks() -> str:
+    """Say why the networks of the tracker `eye` cannot be run; empty if they can."""
+    try:
+        EyeNetworks()
+    except ModelError as wrong:
+        return str(wrong)
+    return ""
+
+
+def check_networks(wrong: str) -> Finding:
+    """The networks of the tracker `eye`; `wrong` is why they cannot be run."""
+    if wrong:
+        return error("networks of the tracker", wrong, "pip install --force-reinstall --no-deps farhand")
+    return ok("networks of the tracker", "can be run")

@@ -8,7 +8,7 @@ from farhand.doctor import landmarks
 from farhand.doctor.examination import examine_local
 from farhand.doctor.findings import Severity
 from farhand.doctor.landmarks import check_landmarks, probe_landmarks
-from farhand.doctor.networks import check_networks
+from farhand.doctor.machine import check_networks
 from local_site.config import LocalConfig
 from local_site.tracking.choice import TrackingConfig
 from local_site.tracking.landmarks.model_files import FOLDER, MODEL_FILES
