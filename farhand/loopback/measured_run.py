@@ -23,11 +23,10 @@ from farhand.loopback.figures import Expectation, Figures, all_figures, session_
 from farhand.loopback.plan import LoopbackOptions, plan_of
 from farhand.loopback.recorded import read_run, recording_figures
 from farhand.loopback.recorder import Record, Recorder
-from farhand.loopback.rendering import explained
 from farhand.loopback.running_sites import RunningSites
 from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import listens, start_site
-from farhand.loopback.slowness import too_slow
+from farhand.loopback.verdict import check_followed, explained, judged_failure, praise, too_slow
 from farhand.outputs import check_file, check_folder, check_new_file
 from farhand.terminal import aside, tell
 from farhand.tracking.track_run import prepare_tracker
@@ -42,7 +41,6 @@ SETTLE_NS = 400 * NS_PER_MS  # from the opening of the hand to the toggled gripp
 SETTLE_TIMEOUT_S = 3.0
 POLL_S = 0.05
 READY = "event=ready"
-MAX_FOLLOW_MM = 50.0
 
 ShowPage = Callable[[str], str]
 
@@ -255,35 +253,9 @@ def run_loopback(
     aside(as_json=as_json)(figures["too_slow"] or praise(figures))
 
 
-def judged_failure(failure: ProcessError, too_slow: str | None) -> ProcessError:
-    """A run's failure: broken, unless this machine was too slow, which the last line then says."""
-    return ProcessError(f"{failure}\n{too_slow}" if too_slow else f"broken: {failure}")
-
-
-def praise(figures: Figures) -> str:
-    """The last line of a run in which all is good."""
-    took_ms = figures["capture_to_command_ms"]["p50"]
-    command = "" if took_ms is None else f", {took_ms:.0f} ms from exposure to command"
-    share, off_mm = figures["followed_share"], figures["follow_mm"]["mean"]
-    return f"good: the arm followed for {share:.1%} of the time, {off_mm:.1f} mm off the hand{command}"
-
-
 def write_report(path: Path, figures: Figures) -> None:
     """Write all figures as JSON, also to a device or through a link; ConfigError when that fails."""
     try:
         path.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
     except OSError as error:
         raise ConfigError(f"cannot write --report {path}: {error.strerror}; choose another file") from error
-
-
-def check_followed(figures: Figures) -> None:
-    """ProcessError when the tool did not follow the hand, or stopped following it."""
-    if figures["stopped"] is not None:
-        raise ProcessError(
-            f"the arm followed for {figures['followed_share']:.0%} of the time, then: {figures['stopped']}"
-        )
-    mean = figures["follow_mm"]["mean"]
-    if mean is None:
-        raise ProcessError("the arm was never engaged")
-    if mean > MAX_FOLLOW_MM:
-        raise ProcessError(f"the arm does not follow: its tool is {mean:.0f} mm off on average")

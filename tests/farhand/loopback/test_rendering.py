@@ -6,8 +6,8 @@ import pytest
 
 import farhand.cli
 from common.errors import ProcessError
-from farhand.loopback import measured_run, rendering
-from farhand.loopback.rendering import explained, rendering_problem
+from farhand.loopback import measured_run, verdict
+from farhand.loopback.verdict import explained, rendering_problem
 from remote_site.video.cell_cameras import CURE
 
 FAILURE = ProcessError("the remote process ended (exit code 1): process video died")
@@ -44,7 +44,7 @@ def test_without_mujoco_the_last_line_names_the_extra(monkeypatch: pytest.Monkey
 
 
 def test_a_failure_of_another_kind_stays_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rendering, "rendering_problem", lambda: "")
+    monkeypatch.setattr(verdict, "rendering_problem", lambda: "")
     assert explained(FAILURE, views_are_simulated=True) is FAILURE
-    monkeypatch.setattr(rendering, "rendering_problem", lambda: pytest.fail("real cameras need no EGL"))
+    monkeypatch.setattr(verdict, "rendering_problem", lambda: pytest.fail("real cameras need no EGL"))
     assert explained(FAILURE, views_are_simulated=False) is FAILURE

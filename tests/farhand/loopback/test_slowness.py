@@ -6,7 +6,7 @@ import pytest
 
 from common.messages.robot import HandLink, RobotState, SessionState
 from farhand.loopback.recorder import Record
-from farhand.loopback.slowness import too_slow
+from farhand.loopback.verdict import too_slow
 from tests.farhand.loopback.test_figures import hand, state
 
 FPS = 30.0
