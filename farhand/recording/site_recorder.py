@@ -72,10 +72,10 @@ def _record(
     config: RemoteConfig | LocalConfig, plan: RecordingPlan, date: Callable[[], datetime], should_stop: StopFlag
 ) -> None:
     if isinstance(config, LocalConfig):
-        from local_site.recording.recorder_process import record_operator  # noqa: PLC0415  # only one of both is needed
+        from local_site.recording.recorder import record_operator  # noqa: PLC0415  # only one of both is needed
 
         record_operator(config, plan, date, should_stop)
     else:
-        from remote_site.recording.recorder_process import record_cell  # noqa: PLC0415  # as above
+        from remote_site.recording.recorder import record_cell  # noqa: PLC0415  # as above
 
         record_cell(config, plan, date, should_stop)

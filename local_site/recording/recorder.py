@@ -1,15 +1,19 @@
-"""The recorder of a local site: keeps what passes its links, and tells the console of this host that it does."""
+"""The recorder of a local site: keeps what passes its links, tells this host's console that it does; and its loop."""
 
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
+from datetime import datetime
 from functools import lru_cache, partial
 from importlib.metadata import version
 from typing import Protocol
 
+import structlog
 from foxglove_schemas_protobuf.CompressedImage_pb2 import CompressedImage
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.errors import MessageError
-from common.link.channels import PREVIEW, STATE
+from common.link.channels import PREVIEW, RECORDER, STATE
+from common.link.credentials import check_links
 from common.messages.base import PROTOCOL_VERSION
 from common.messages.codec import decode
 from common.messages.hand import HandArm
@@ -17,21 +21,23 @@ from common.messages.recording import RecordingNotice, RecordingState
 from common.messages.requests import RecordRequest
 from common.messages.robot import FOLLOWING, RobotState
 from common.messages.video import Codec, VideoFrame
+from common.process.service import StopFlag, notify
 from common.recording import foxglove
 from common.recording.asked_recording import AskedRecording
 from common.recording.awaited_site import AwaitedSite
 from common.recording.guarded import GuardedRecording
 from common.recording.hand_transcript import HandTranscript, add_log
-from common.recording.session import RecordingSession
+from common.recording.session import RecordingPlan, RecordingSession
 from common.recording.topics import Topic, protobuf_topic
 from common.recording.wire_topics import topic_of
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
-from local_site.recording.source import HeardMessage
+from local_site.recording.source import HeardMessage, OperatorSource
 
 NOTICE_NS = 200 * NS_PER_MS
 SITE_GONE_NS = 5 * NS_PER_S  # as long as a lease lasts without its local site
 OPERATOR_TABLE = "farhand.operator"
+POLL_S = 0.05
 
 
 class Heard(Protocol):
@@ -139,3 +145,23 @@ class OperatorRecorder:
             captured = session.since_1970_ns(frame.capture_ns)
             image = foxglove.jpeg_image(captured, f"operator_{frame.camera}", frame.data)
             session.add(view_topic(frame.camera), image, t_ns, frame.capture_ns)
+
+
+def record_operator(
+    config: LocalConfig, plan: RecordingPlan, date: Callable[[], datetime], should_stop: StopFlag
+) -> None:
+    """Record what passes the local site's links until asked to stop; FarhandError where they cannot be opened."""
+    check_links((config.links.remote, config.links.listen), config.links, config.bearer)
+    with OperatorSource(config) as source:
+        notices = source.link.publisher(RECORDER, config.cell, operator=config.authority.name)
+        recorder = OperatorRecorder(config, GuardedRecording(plan, date), source)
+        notify("READY=1")
+        structlog.get_logger().info("ready", cell=config.cell)
+        while not should_stop():
+            notice = recorder.step(time.monotonic_ns())
+            if notice is not None:
+                notices.put(notice)
+            notify("WATCHDOG=1")
+            should_stop.wait(POLL_S)
+        notify("STOPPING=1")
+        recorder.end(time.monotonic_ns())

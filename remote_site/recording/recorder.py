@@ -1,21 +1,31 @@
-"""The recorder of a cell: it keeps what the site leaves, bounds it into episodes, and shows what it does."""
+"""The recorder of a cell: keeps what the site leaves, bounds it into episodes, shows what it does; and its loop."""
 
+import threading
+import time
+from collections.abc import Callable
+from datetime import datetime
 from functools import partial
+
+import structlog
 
 from common.clock import NS_PER_MS
 from common.messages.recording import RecordingState
 from common.messages.robot import FOLLOWING
+from common.process.service import StopFlag, notify
 from common.recording.asked_recording import AskedRecording
 from common.recording.awaited_site import AwaitedSite
 from common.recording.guarded import GuardedRecording
-from common.recording.session import RecordingSession
+from common.recording.session import RecordingPlan, RecordingSession
 from remote_site.config import RemoteConfig
 from remote_site.kinematics.limits import load_arm
 from remote_site.recording.attachment import SiteAttachment
+from remote_site.recording.memory_files import memory_place
 from remote_site.recording.records import FullPicture, Kept, LeftOut, PassedMessage, RecordedTick
 from remote_site.recording.transcript import Transcript
 
 STATUS_NS = 200 * NS_PER_MS
+POLL_S = 0.05
+BEAT_S = 0.25
 
 
 class CellRecorder:
@@ -88,3 +98,30 @@ class CellRecorder:
                 self._transcript.picture(session, kept)
             case LeftOut():
                 self._transcript.left_out(session, kept)
+
+
+def record_cell(config: RemoteConfig, plan: RecordingPlan, date: Callable[[], datetime], should_stop: StopFlag) -> None:
+    """Record the site of this configuration until asked to stop, whenever it runs."""
+    site, ended = SiteAttachment(memory_place(config.cell, config.links)), threading.Event()
+    recorder = CellRecorder(config, GuardedRecording(plan, date), site)
+    beats = threading.Thread(target=_beat, args=(site, ended), name="beat", daemon=True)
+    beats.start()
+    notify("READY=1")
+    structlog.get_logger().info("ready", cell=config.cell)
+    try:
+        while not should_stop():
+            recorder.step(time.monotonic_ns())
+            notify("WATCHDOG=1")
+            should_stop.wait(POLL_S)
+        notify("STOPPING=1")
+        recorder.end(time.monotonic_ns())
+    finally:
+        ended.set()
+        beats.join()
+        site.close()
+
+
+def _beat(site: SiteAttachment, ended: threading.Event) -> None:
+    """Beat while a step waits for a busy disk: meanwhile the rings fill, and nothing is lost."""
+    while not ended.wait(BEAT_S):
+        site.beat(time.monotonic_ns())
