@@ -11,10 +11,9 @@ from farhand.calibration.pictures import size_of
 from farhand.doctor.findings import Finding, ok, warning
 from farhand.setup.conversation import SetupPerson
 from farhand.terminal import ShowProgress
-from local_site.calibration.boards import Board, BoardFinder, BoardView, PoseGate
+from local_site.calibration.boards import Board, BoardFinder, BoardView, PoseGate, edge_blur_px
 from local_site.calibration.pose_gaps import pose_gaps
 from local_site.calibration.rig import Rig
-from local_site.calibration.sharpness import edge_blur_px
 from local_site.kernels.pictures import as_grey
 
 MAX_BLUR_PX = 1.5

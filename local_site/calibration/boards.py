@@ -1,4 +1,4 @@
-"""Printed boards: ChArUco boards and chessboards, and their corners in a picture."""
+"""Printed boards: ChArUco boards and chessboards, their corners in a picture, and how sharply it shows them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,6 +18,8 @@ BoardKind = Literal["charuco", "chessboard"]
 MIN_CORNERS = 8
 MAX_SQUARES = 60
 DEFAULT_DICTIONARY = "5X5_250"
+REACH_PX = 7  # from a corner, along its edges
+GRADIENT_VARIANCE = 2 / 3  # of Sobel's own smoothing along the edge's normal, px²
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +136,33 @@ def _square_grey(grey: Image, corners: Array) -> float:
     u, v = (round(float(value)) for value in corners.reshape(-1, 2).mean(axis=0))
     patch = grey[max(v - 1, 0) : v + 2, max(u - 1, 0) : u + 2]
     return float(patch.mean()) if patch.size else 0.0
+
+
+def edge_blur_px(grey: Image, corners: Array) -> float:
+    """The blur of the edges around a board's corners (M, 2) in a grey picture (H, W): a Gaussian's sigma, median, px.
+
+    Infinite if no corner is far enough from the picture's border.
+    """
+    steepness = [_steepness(grey, u, v) for u, v in np.round(corners).astype(int).tolist()]
+    known = [value for value in steepness if value is not None]
+    if not known:
+        return float(np.inf)
+    # The greatest slope of a step that is blurred by sigma is its height over sigma sqrt(2 pi).
+    sigma = 1.0 / (max(float(np.median(known)), 1e-6) * np.sqrt(2 * np.pi))
+    return float(np.sqrt(max(sigma**2 - GRADIENT_VARIANCE, 0.0)))
+
+
+def _steepness(grey: Image, u: int, v: int) -> float | None:
+    """The greatest slope around a corner over the step's height, 1/px; None at the border."""
+    height, width = grey.shape
+    reach = REACH_PX
+    if not (reach <= u < width - reach and reach <= v < height - reach):
+        return None
+    patch = grey[v - reach : v + reach + 1, u - reach : u + reach + 1].astype(np.float32)
+    dark, bright = np.percentile(patch, (10, 90))
+    across, down = (cv2.Sobel(patch, cv2.CV_32F, *order, scale=1 / 8) for order in ((1, 0), (0, 1)))
+    slope = float(np.percentile(np.hypot(across, down), 98))
+    return slope / max(float(bright - dark), 1.0)
 
 
 Pose = Sequence[BoardView | None]

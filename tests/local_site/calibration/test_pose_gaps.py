@@ -5,10 +5,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from local_site.calibration.boards import Board, BoardView
+from local_site.calibration.boards import Board, BoardView, edge_blur_px
 from local_site.calibration.physical_camera import Lens, PhysicalCamera
 from local_site.calibration.pose_gaps import ENOUGH_POSES, aspect_of, empty_places, pose_gaps
-from local_site.calibration.sharpness import edge_blur_px
 
 BOARD = Board("chessboard", 8, 6, 0.03)
 SIZE = (640, 480)
