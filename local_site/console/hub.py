@@ -21,10 +21,9 @@ from local_site.console.model.late_reports import late_reports, named
 from local_site.console.model.latency import Latencies
 from local_site.console.model.page_messages import AnyPageMessage, parse
 from local_site.console.model.seat import Seat
-from local_site.console.model.sent_target import SentTarget
+from local_site.console.model.sent_target import SentTarget, tools_json
 from local_site.console.model.shown import CAMERA_VIEW
 from local_site.console.model.situation import NewestMessages, situation_json
-from local_site.console.model.tools import tools_json
 from local_site.console.page import OpenPages, Page
 
 OWN_CLOCK = ClockOffset(0, 0)

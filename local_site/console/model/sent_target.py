@@ -1,7 +1,9 @@
-"""The target to which the tool was sent by the newest hand sample, before the remote site has answered; pure."""
+"""The tool for pages: where the newest hand sample sent it before the remote site answers, and as measured; pure."""
 
 from collections import deque
+from typing import Any
 
+import msgspec
 import numpy as np
 
 from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
@@ -10,7 +12,7 @@ from common.mapping.relative_mapping import RelativeMapping
 from common.mapping.shown_hand import shown_orientation, shown_position
 from common.messages.hand import ClutchKey, HandArm, OperatorSettings, TrackingStatus
 from common.messages.requests import Description
-from common.messages.robot import MappingReference, RobotState
+from common.messages.robot import MappingReference, Pose, RobotState
 
 KEPT = 128  # samples: more than a second of them at 60 Hz, and a link's delay
 OLDEST_STATE_NS = NS_PER_S
@@ -121,3 +123,24 @@ class _Replay:
 
     def _position(self, sample: HandArm) -> Array:
         return np.array(shown_position(sample, self._point))
+
+
+def tools_json(
+    state: RobotState | None, hand: HandArm | None, sent: Array | None, wanted: Array | None, remote: ClockOffset | None
+) -> str:
+    """The tool as measured and where it was sent, with times by this host's clock in ms; None where one is not known.
+
+    The measured tool is as old as the newest state, the target `sent` (4 x 4) as the newest hand sample;
+    `wanted` (3,) is where that hand would have the tool, outside the box too.
+    """
+    measured = sent_to = None
+    if state is not None and remote is not None:
+        measured = _tool(state.base_T_tool, state.t_ns - remote.offset_ns)
+    if sent is not None and hand is not None:
+        sent_to = _tool(Pose.from_transform(sent), hand.capture_ns)
+    where = None if wanted is None else wanted.tolist()
+    return msgspec.json.encode({"type": "tools", "measured": measured, "sent": sent_to, "wanted": where}).decode()
+
+
+def _tool(pose: Pose, t_ns: int) -> dict[str, Any]:
+    return {"position": pose.position, "orientation": pose.orientation, "t_ms": t_ns / NS_PER_MS}

@@ -30,8 +30,8 @@ from local_site.console.model.history import History
 from local_site.console.model.latency import Latencies, Trace
 from local_site.console.model.page_messages import AnyPageMessage, Painted
 from local_site.console.model.seat import Seat
+from local_site.console.model.sent_target import tools_json
 from local_site.console.model.situation import NewestMessages, situation_json
-from local_site.console.model.tools import tools_json
 
 TYPES = (Path(__file__).parents[4] / "local_site/console/model/messages.d.ts").read_text()
 INTERFACES = {
