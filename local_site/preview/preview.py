@@ -1,4 +1,4 @@
-"""The operator's own views for the console: drawn by an idle process, sent at their own pace while a page is open."""
+"""The operator's own views for the console, while a page is open: drawn by an idle process; or why there are none."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -28,6 +28,7 @@ from local_site.tracking.tracker import ArmEstimate, Views
 MAX_BYTES = 128_000_000  # four views of 4K in colour; memory that is never written costs nothing
 WAIT_NS = 250 * NS_PER_MS
 MAX_REASON = 400
+REASON_EVERY_NS = 250 * NS_PER_MS  # where no camera is used
 
 
 class PreviewConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -246,3 +247,37 @@ class Preview:
             return False
         self._due_ns = max(self._due_ns, t_ns - self._period_ns) + self._period_ns
         return any(view.wire.has_listener for view in self._views)
+
+
+class NoCamera:
+    """Says of each view, by its name in `wires`, why there is none, while somebody looks."""
+
+    def __init__(self, wires: Mapping[str, PreviewSink], reason: str) -> None:
+        self._wires, self._reason = wires, reason[:MAX_REASON]
+        self._seq = 0
+        self._due_ns = 0
+
+    def tell(self, now_ns: int) -> None:
+        """Say it, if it is time."""
+        if now_ns < self._due_ns:
+            return
+        self._due_ns = now_ns + REASON_EVERY_NS
+        self._seq += 1
+        for view, wire in self._wires.items():
+            if wire.has_listener:
+                wire.put(self._frame(view))
+
+    def _frame(self, view: str) -> VideoFrame:
+        return VideoFrame(
+            camera=view,
+            seq=self._seq,
+            capture_ns=0,
+            capture_estimated=False,
+            status=CameraStatus.MISSING,
+            reason=self._reason,
+            width=0,
+            height=0,
+            codec=Codec.JPEG,
+            key=False,
+            data=b"",
+        )

@@ -1,10 +1,11 @@
-"""A program on a cell: for each session of the remote site all that it needs is asked again; pure."""
+"""A program on a cell: what it needs, asked in each session of the remote site, and its runs, announced; pure."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from common.clock import NS_PER_S
 from common.errors import RefusedError
 from common.messages.hand import TrackingStatus
 from common.messages.requests import Description
@@ -15,6 +16,7 @@ from local_site.programmed.path_run import PathRun
 from local_site.tracking.tracker import ArmEstimate
 
 UNKNOWN = "the remote site has to say what its cell is: wait, or start it"
+APART_NS = NS_PER_S // 2  # of announcements
 
 
 @dataclass(frozen=True)
@@ -84,3 +86,17 @@ class PathRuns:
         self._run = PathRun(
             program.progress, cell.mapping, self._session, program.gripper_at_start, goes_on=program.goes_on
         )
+
+
+class Announcements:
+    """Passes words of a run on to `tell` when they change, at most twice a second; the last always come in the end."""
+
+    def __init__(self, tell: Callable[[str], object]) -> None:
+        self._tell = tell
+        self._told, self._told_ns = "", -APART_NS
+
+    def offer(self, words: str, now_ns: int) -> None:
+        """Announce what holds now if it has changed, but not too often; to be called again and again."""
+        if words != self._told and now_ns - self._told_ns >= APART_NS:
+            self._told, self._told_ns = words, now_ns
+            self._tell(words)

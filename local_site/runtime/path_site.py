@@ -23,9 +23,8 @@ from local_site.authority.lease_client import Authority
 from local_site.authority.remote_watch import RemoteWatch
 from local_site.calibration.control_points import CAMERAS
 from local_site.config import LocalConfig
-from local_site.preview.no_camera import NoCamera
-from local_site.programmed.announcements import Announcements
-from local_site.programmed.path_runs import PathProgram, PathRuns
+from local_site.preview.preview import NoCamera
+from local_site.programmed.path_runs import Announcements, PathProgram, PathRuns
 from local_site.runtime.loop import SampleSender
 from local_site.runtime.recorder_relay import RecorderRelay
 

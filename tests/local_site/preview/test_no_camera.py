@@ -2,8 +2,7 @@
 
 from common.clock import NS_PER_MS
 from common.messages.video import CameraStatus, VideoFrame
-from local_site.preview.no_camera import NoCamera
-from local_site.preview.preview import MAX_REASON
+from local_site.preview.preview import MAX_REASON, NoCamera
 
 
 class Wire:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from common.clock import NS_PER_S
-from local_site.programmed.announcements import Announcements
+from local_site.programmed.path_runs import Announcements
 
 STEP_NS = NS_PER_S // 60
 
