@@ -1,4 +1,4 @@
-"""Between this host's recorder and the rest: what it does goes to the console, what the operator asks goes to it."""
+"""Between this host's recorder and the rest: what it does goes to the console, what the operator may ask goes to it."""
 
 from functools import partial
 from typing import Protocol
@@ -9,11 +9,21 @@ from common.errors import MessageError
 from common.link.channels import RECORD_ORDER, RECORD_OWN, RECORDER, RECORDING
 from common.link.transport import Link
 from common.messages.recording import RecordingState
-from common.messages.requests import RecordRequest, Reply
+from common.messages.requests import RecordAction, RecordRequest, Reply
 from common.process.log import RefusalLog
+from common.recording.episodes import MOST_EPISODES
+from common.recording.policy import RecorderRefusal, recorder_refusal
 from local_site.authority.lease_client import LeaseAndClock
 from local_site.config import LocalConfig
-from local_site.recording.requests import answer
+
+SENTENCES = {
+    RecorderRefusal.NO_RECORDER: "no recorder runs on this host; start one: systemctl start farhand-record-local",
+    RecorderRefusal.RECORD_FIXED: "this host's administrator begins and ends the recording (record.start = 'at_once')",
+    RecorderRefusal.NOT_RECORDING: "nothing is recorded here now: begin a recording first",
+    RecorderRefusal.TOO_MANY_EPISODES: f"this recording has {MOST_EPISODES} episodes, as many as one may have: have it "
+    "ended, and another begun",
+}
+NO_LEASE = "no_lease", "this host's operator does not hold the lease: take it first"
 
 
 class Standing(Protocol):
@@ -56,3 +66,17 @@ class RecorderRelay:
             self._orders.put(request)
             structlog.get_logger().info("recorder asked", action=request.action.value)
         return reply
+
+
+def answer(request: RecordRequest, recorder: RecordingState | None, *, holds_lease: bool) -> Reply:
+    """The reply to a request; `recorder` is what this host's recorder does, None while none is there.
+
+    Who is recorded may always end that.
+    """
+    refusal = recorder_refusal(request.action, recorder)
+    may = request.action is RecordAction.STOP or holds_lease
+    if refusal in (RecorderRefusal.NO_RECORDER, RecorderRefusal.RECORD_FIXED) or (refusal and may):
+        return Reply(id=request.id, done=False, code=refusal.value, reason=SENTENCES[refusal])
+    if not may:
+        return Reply(id=request.id, done=False, code=NO_LEASE[0], reason=NO_LEASE[1])
+    return Reply(id=request.id, done=True, code="record_asked", reason="this host's recorder has been asked")

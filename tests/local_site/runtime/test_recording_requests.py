@@ -3,7 +3,7 @@
 import pytest
 
 from common.messages.requests import RecordAction, RecordRequest
-from local_site.recording.requests import answer
+from local_site.runtime.recorder_relay import answer
 from tests.common.recording.recorder_states import ASKED, FIXED, FULL, IDLE
 
 
