@@ -5,7 +5,7 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from remote_site.drivers.driver import RESTING_RAD_S
-from remote_site.drivers.position_arm.speed import SpeedOverWindow
+from remote_site.drivers.position_arm.readings import SpeedOverWindow
 
 WINDOW_NS = 100 * NS_PER_MS
 COUNT_RAD = 2 * np.pi / 4096
