@@ -57,7 +57,7 @@ EXPLAINED = {
     "remote_site/drivers/position_arm/threaded_calls.py:_stuck: self._clock.now_ns() - call[1] > STUCK_NS -> "
     "self._clock.now_ns() - call[1] >= STUCK_NS": "a call of exactly 100 ms, to the nanosecond, may count as either",
     "remote_site/drivers/position_arm/threaded_calls.py:_idle_s: 0 -> 1": "it then waits for a nanosecond",
-    "remote_site/drivers/position_arm/written_stop.py:ended: now_ns - self._last_ns > self._longest_ns -> "
+    "remote_site/drivers/position_arm/arm_stop.py:ended: now_ns - self._last_ns > self._longest_ns -> "
     "now_ns - self._last_ns >= self._longest_ns": "a pause of exactly the longest time may count as either",
     "remote_site/safety/stopping.py:span: 0.0 -> 1.0": "a bound that is wider, and still one",
     "common/mapping/rotation_mapping.py:_update: if self._scale == 1.0: -> if False:": "a shortcut: at a scale of 1 "

@@ -146,11 +146,10 @@ TARGETS = (
         REMOTE / "drivers" / "position_arm",
         POSITION_ARM,
         driver=10,
-        held_posture=10,
+        arm_stop=14,
         calls=8,
         threaded_calls=8,
         readings=7,
-        written_stop=4,
     ),
     *_targets(REMOTE / "drivers" / "franka", SETPOINTS, setpoint_filter=6),
     *_targets(

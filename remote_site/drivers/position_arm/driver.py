@@ -11,11 +11,10 @@ from common.messages.robot import GripperCommand
 from remote_site.drivers.driver import Capabilities, DriverSetup, JointCommand, RobotReading, check_joints
 from remote_site.drivers.faults import NOT_ACTIVATED, STILL_MOVING, STOPPED, RobotFault, apart
 from remote_site.drivers.position_arm.arm import PositionArm, PositionArmWithGripper
+from remote_site.drivers.position_arm.arm_stop import HeldPosture, WrittenStop
 from remote_site.drivers.position_arm.calls import ArmCalls, Calls
-from remote_site.drivers.position_arm.held_posture import HeldPosture
 from remote_site.drivers.position_arm.readings import ArmReadings
 from remote_site.drivers.position_arm.threaded_calls import ThreadedCalls
-from remote_site.drivers.position_arm.written_stop import WrittenStop
 from remote_site.drivers.supervisor.orders import command_timeout
 from remote_site.safety.silence import Silence
 

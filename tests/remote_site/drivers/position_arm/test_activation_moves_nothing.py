@@ -7,7 +7,7 @@ import pytest
 
 from common.clock import NS_PER_S
 from common.errors import DriverError
-from remote_site.drivers.position_arm.held_posture import HANGS_RAD, RESTS_RAD_S, HeldPosture
+from remote_site.drivers.position_arm.arm_stop import HANGS_RAD, RESTS_RAD_S, HeldPosture
 from remote_site.kinematics.joints import JointMotion
 from tests.contracts.driver_stands import SETUP
 from tests.contracts.position_arms import BrakingArm, ServoArm, StopsHard
