@@ -53,7 +53,7 @@ EXPLAINED = {
     "remote_site/drivers/supervisor/writer.py:hand_over: 0 -> 1": "two nanoseconds of the plan move no joint",
     "remote_site/drivers/supervisor/writer.py:hand_over: max(self.plan_ns, self.written_ns) -> "
     "min(self.plan_ns, self.written_ns)": "the same stop at other instants: what the robot has passed is not added",
-    "remote_site/drivers/supervisor/plausible_motion.py:bounds: 0 -> 1": "a nanosecond moves no joint",
+    "remote_site/drivers/supervisor/reading_check.py:bounds: 0 -> 1": "a nanosecond moves no joint",
     "remote_site/drivers/position_arm/threaded_calls.py:_stuck: self._clock.now_ns() - call[1] > STUCK_NS -> "
     "self._clock.now_ns() - call[1] >= STUCK_NS": "a call of exactly 100 ms, to the nanosecond, may count as either",
     "remote_site/drivers/position_arm/threaded_calls.py:_idle_s: 0 -> 1": "it then waits for a nanosecond",

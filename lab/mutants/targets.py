@@ -135,12 +135,11 @@ TARGETS = (
         write_scheduler=6,
         writer=10,
         stop_plan=4,
-        reading_check=10,
+        reading_check=20,
         following_check=6,
         grip=6,
         orders=4,
         watched_driver=6,
-        plausible_motion=10,
     ),
     *_targets(
         REMOTE / "drivers" / "position_arm",

@@ -9,19 +9,52 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
 from remote_site.drivers.driver import Capabilities, DriverSetup, GripperReading, RobotReading
 from remote_site.drivers.faults import FaultCode, RobotFault
-from remote_site.drivers.supervisor.plausible_motion import PlausibleMotion
 from remote_site.safety.silence import Silence
 
+NOISE_RAD = 0.05  # of a reading; as much as 13 ms that a stamp is off, at full speed
+FASTER = 1.25  # times a joint's own speed, by its positions: it overshoots, and a slow robot's clock is another
 OLDEST_NS = 100 * NS_PER_MS
 OLDEST_PERIODS = 4  # of a slow robot: an answer lost twice on a noisy line is no silence yet
 PAUSE_NS = 50 * NS_PER_MS
 # An arm may lean on its mechanical stop, some degrees beyond its range, and its zero may be off by as much.
 BEYOND_RAD = 0.2
-FASTEST = 10.0  # times a joint's own speed: positions differenced by uneven stamps give several times too much
+FASTEST = 10.0  # times it, as a speed is read: positions differenced by uneven stamps give several times too much
 OPENING_M = (-0.01, 1.0)  # a zero may be off by some mm; no gripper that can be configured opens half as wide
 FORCE_N = 2000.0  # ten times the largest grip force that can be configured
 
 Field = tuple[str, object, str, bool]  # of a reading: its name, its value, what it has to be, and whether it is
+
+
+class PlausibleMotion:
+    """Bounds the positions of joints with these own speeds (n,) rad/s, of a robot with this period.
+
+    Every reading before counts, not the last alone: what drifts faster than a joint moves is no motion either. The
+    bounds widen with time, so that a posture which stays is plausible once the joints had the time to get there.
+    `unseen_ns` is how long nobody looked before a reading: its stamp may be off by as much.
+    """
+
+    def __init__(self, velocity: Array, period_s: float) -> None:
+        self._fastest = FASTER * velocity
+        self._noise = NOISE_RAD + self._fastest * period_s  # a slow robot's reading may be repeated under a new stamp
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget every reading: the next one may be anywhere."""
+        self._least = np.full(len(self._fastest), -np.inf)
+        self._most = np.full(len(self._fastest), np.inf)
+        self._noted_ns = 0
+
+    def bounds(self, t_ns: int, unseen_ns: int) -> tuple[Array, Array]:
+        """The least and the largest plausible positions (n,) in rad at a time; infinite before the first reading."""
+        way = self._fastest * ((max(t_ns - self._noted_ns, 0) + unseen_ns) / NS_PER_S)
+        return self._least - way, self._most + way
+
+    def note(self, q: Array, t_ns: int, unseen_ns: int) -> None:
+        """Take a plausible reading `q` (n,) in rad, measured at `t_ns`."""
+        least, most = self.bounds(t_ns, 0)
+        off = self._noise + self._fastest * (unseen_ns / NS_PER_S)
+        self._least, self._most = np.maximum(least, q - off), np.minimum(most, q + off)
+        self._noted_ns = t_ns
 
 
 class ReadingCheck:
