@@ -1,4 +1,4 @@
-"""Estimates how a target moves from its samples: position, velocity and a decaying acceleration; pure."""
+"""Estimates how a target moves from its samples: position, velocity, a decaying acceleration, its haste; pure."""
 
 import math
 from collections.abc import Callable
@@ -12,6 +12,9 @@ from remote_site.motion.gains import Gains
 SHORTEST_S = 0.01  # least interval between two samples from which a velocity is estimated
 CORRELATION_S = 0.2  # time constant with which an acceleration decays, as a hand's does
 INTERVAL_MEMORY = 1 / 16  # weight of the newest interval in the usual one
+CALM, HURRIED = 0.15, 0.4  # of the joints' accelerations: full prediction below, the least above
+HURRY_MEMORY_S = 0.3  # how long a hurry is remembered: between its two accelerations a movement has none
+LEAST_EXTRAPOLATED = 0.3  # of the velocity that is extrapolated in a hurry
 
 Numbers = list[float]
 State = tuple[float, float, float]  # position, velocity and acceleration
@@ -96,3 +99,28 @@ class TargetEstimator:
 def _corrected(state: State, error: float, steps: State) -> State:
     (position, velocity, acceleration), (first, second, third) = state, steps
     return position + first * error, velocity + second * error, acceleration + third * error
+
+
+class Haste:
+    """The fraction of the joints' accelerations that the target needs, or has needed a moment ago.
+
+    A slow motion goes on as it does, and is predicted. A quick one is an aim, and ends at once: predicted, its end is
+    overshot, and by joints that are at the limit of their accelerations several times as far.
+    """
+
+    def __init__(self) -> None:
+        self._needed = 0.0
+
+    def update(self, needed: float, elapsed_s: float) -> None:
+        """Note what the newest estimate needs."""
+        self._needed = max(needed, self._needed * math.exp(-elapsed_s / HURRY_MEMORY_S))
+
+    @property
+    def calm(self) -> float:
+        """From 1 for a slow motion to 0 for a hurried one."""
+        return min(max((HURRIED - self._needed) / (HURRIED - CALM), 0.0), 1.0)
+
+    def extrapolated(self, velocity: float, acceleration: float) -> tuple[float, float]:
+        """The velocity and the acceleration with which a target is to go on."""
+        calm = self.calm
+        return (LEAST_EXTRAPOLATED + (1.0 - LEAST_EXTRAPOLATED) * calm) * velocity, calm * acceleration

@@ -11,8 +11,7 @@ from remote_site.kinematics.limits import TARGET_SPEED, JointLimits, stoppable
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.catch_up import CatchUp
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.estimator import State, TargetEstimator, Transition
-from remote_site.motion.haste import Haste
+from remote_site.motion.estimator import Haste, State, TargetEstimator, Transition
 from remote_site.motion.tool_sample import ToolSample
 
 MADE_UP_NS = 40 * NS_PER_MS  # of a sample's age: to make up for more of it would overshoot wherever the hand turns
@@ -122,7 +121,7 @@ class TargetPredictor:
     The estimate of each sample (`estimator.py`) is extrapolated for at most `predict_ms` after the sample arrived; for
     0 not at all. The target converges to every new curve, critically damped and without a jump of position or velocity.
     It follows a steady motion without lag while samples are no older than MADE_UP_NS when they arrive, and otherwise by
-    the rest of their age behind; a hurried one (`haste.py`) up to 100 ms behind, so that its end is not overshot.
+    the rest of their age behind; a hurried one (`Haste`) up to 100 ms behind, so that its end is not overshot.
 
     A target that had come to rest, at a reset or because samples were late, catches up with its curve no faster than
     `catch_up.py` allows.
