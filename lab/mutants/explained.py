@@ -32,6 +32,7 @@ EXPLAINED = {
     "remote_site/motion/planner.py:__init__: 1.0 -> 2.0": "whoever follows resets first, which sets it",
     f"{TRACKER}:__init__: self._solved_ns = 0 -> pass": "whoever aims resets first, which sets it",
     f"{TRACKER}:__init__: 0 -> 1": "whoever aims resets first, which sets it",
+    f"{TRACKER}:__init__: 6 -> 7": "whoever solves resets it first, which sets it",
     "remote_site/kinematics/dexterity.py:condition: 0 -> 1": "the vectors are computed as well; the values stay",
     f"{INVERSE}:__init__: True -> False": STRICT,
     f"{INVERSE}:_damped_fraction: bend >= WRIST_ZONE -> bend > WRIST_ZONE": "a wrist bent by exactly 0.35, to the last "
@@ -41,7 +42,6 @@ EXPLAINED = {
     f"{INVERSE}:_out_of_reach: distance >= self._least -> distance > self._least": "a wrist at exactly the least "
     "distance, to the last bit, may be told either reason",
     f"{INVERSE}:verify: 2.0 -> 3.0": "other postures: all eight solutions of each are compared, all over the range",
-    "remote_site/kinematics/path_inverse.py:__init__: 6 -> 7": "whoever solves resets it first, which sets it",
     "remote_site/kinematics/upright_arm.py:joints: True -> False": STRICT,
     f"{ASSIST}/assist.py:__init__: self._ended_ns = 0 -> pass": "it is read once a lead has ended, which sets it",
     f"{ASSIST}/assist.py:is_stuck: left[1] < NEARER_RAD -> left[1] <= NEARER_RAD": "exactly half a degree, to the "

@@ -5,8 +5,8 @@ import pytest
 
 from common.geometry import Array, angle_between, rotation_from_vector, transform
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse, Unreachable
-from remote_site.kinematics.path_inverse import MOST, SPACING_RAD, PathInverse
 from remote_site.kinematics.upright_arm import SHOULDER_HOLD
+from remote_site.motion.target_tracker import MOST, SPACING_RAD, PathInverse
 from tests.remote_site.remote_loop import arm
 
 MODEL, LIMITS = arm()
