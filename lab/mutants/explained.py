@@ -4,6 +4,7 @@ GUARD = "remote_site/safety/guard.py"
 CLEARANCE = "remote_site/safety/clearance.py"
 QUICKER = "a shortcut: what it decides is decided the same without it, only later"
 STRICT = "all of the sequences have as many entries, so strict never acts"
+TARGET = "remote_site/teleop/tool_target.py"
 INVERSE, ASSIST = "remote_site/kinematics/inverse.py", "remote_site/assist"
 TRACKER = "remote_site/motion/target_tracker.py"
 
@@ -26,8 +27,8 @@ EXPLAINED = {
     "remote_site/motion/jerk_limited.py:_axes: True -> False": STRICT,
     "remote_site/motion/jerk_limited.py:_plan_from: True -> False": STRICT,
     "remote_site/motion/target_predictor.py:effort: True -> False": STRICT,
-    "remote_site/motion/leash.py:_reaches: True -> False": STRICT,
-    "remote_site/motion/leash.py:_reaches: way <= max(before, limit) + EXACT -> way < max(before, limit) + EXACT": "a "
+    f"{TARGET}:_reaches: True -> False": STRICT,
+    f"{TARGET}:_reaches: way <= max(before, limit) + EXACT -> way < max(before, limit) + EXACT": "a "
     "way of exactly a nanometre more, to the last bit, may count as either",
     "remote_site/motion/planner.py:__init__: 1.0 -> 2.0": "whoever follows resets first, which sets it",
     f"{TRACKER}:__init__: self._solved_ns = 0 -> pass": "whoever aims resets first, which sets it",
@@ -67,10 +68,9 @@ EXPLAINED = {
     "remote_site/teleop/followed_orientation.py:_turned: if np.isinf(most).all(): -> if False:": QUICKER,
     "remote_site/teleop/followed_orientation.py:_take_back: t_ns <= born_ns - TAKEN_BACK_NS -> "
     "t_ns < born_ns - TAKEN_BACK_NS": "an orientation of exactly 150 ms before, to the nanosecond, may count as either",
-    "remote_site/teleop/tool_target.py:_elapsed_s: 0 -> 1": "no target is aimed before the first capture, and a "
-    "nanosecond would not move it",
+    f"{TARGET}:_elapsed_s: 0 -> 1": "no target is aimed before the first capture, and a nanosecond would not move it",
     "remote_site/teleop/sample_validator.py:__init__: self._jumps = 0 -> pass": "jumps are counted from an accepted "
     "sample on, which sets it",
-    "remote_site/teleop/tool_target.py:_strayed: fraction * way > MOST_M -> fraction * way >= MOST_M": "a way of "
+    f"{TARGET}:_strayed: fraction * way > MOST_M -> fraction * way >= MOST_M": "a way of "
     "exactly 30 mm, to the last bit, may count as either",
 }

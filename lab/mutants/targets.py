@@ -27,7 +27,7 @@ PAGE = (TESTS / "session" / "test_operator_page.py", TELEOP / "test_operator_set
 VALIDATION = _tests(TELEOP, "sample_validator", "certainty", "turn_certainty", "orientation_gate")
 TURNS = _tests(TELEOP, "followed_orientation", "turning_target")
 MAPPING = _tests(
-    TELEOP, "mapping", "new_origins", "tool_target", "target_time", "turning_target", "short_hold", "humanoid"
+    TELEOP, "leash", "mapping", "new_origins", "tool_target", "target_time", "turning_target", "short_hold", "humanoid"
 )
 PIPELINE = (
     *_tests(
@@ -44,7 +44,6 @@ PIPELINE = (
     TESTS / "assist" / "test_assist_in_pipeline.py",
 )
 FOLLOWING = (MOTION, *_tests(TELEOP, "catch_up", "quick_aims", "slowed_arm", "other_arms"), SURVIVING)
-LEASH = (MOTION / "test_leash.py", TELEOP / "test_tool_target.py")
 KINEMATICS = (TESTS / "kinematics", *_tests(TELEOP, "slowed_arm", "other_arms"))
 STOPS = (
     *_tests(TESTS / "safety", "stop_bound", "stop_figures", "stopping"),
@@ -85,7 +84,7 @@ TARGETS = (
     *_targets(REMOTE / "teleop", VALIDATION, sample_validator=18, certainty=5, turn_certainty=6),
     *_targets(REMOTE / "teleop", TURNS, followed_orientation=10),
     *_targets(MAPPED, MAPPING, relative_mapping=8, rotation_mapping=4),
-    *_targets(REMOTE / "teleop", MAPPING, tool_target=18, hold_offset=6, mapping=4),
+    *_targets(REMOTE / "teleop", MAPPING, tool_target=30, hold_offset=6, mapping=4),
     *_targets(REMOTE / "teleop", PIPELINE, gripper_toggles=6, sample_receiver=3, pipeline=10),
     *_targets(
         REMOTE / "motion",
@@ -102,7 +101,6 @@ TARGETS = (
         tool_shift=6,
         waiting_target=18,
     ),
-    *_targets(REMOTE / "motion", LEASH, leash=12),
     *_targets(
         REMOTE / "kinematics",
         KINEMATICS,

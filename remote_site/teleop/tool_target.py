@@ -3,12 +3,11 @@
 import math
 
 from common.clock import NS_PER_MS, NS_PER_S
-from common.geometry import Array, angle_between
+from common.geometry import Array, angle_between, pose_between
 from common.messages.hand import OperatorSettings
 from common.messages.robot import Engagement, MappingReference, Pose
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.config import ControlConfig
-from remote_site.motion.leash import Leash
 from remote_site.motion.tool_sample import ToolSample
 from remote_site.reasons import Code, Reason, reason
 from remote_site.safety.clearance import Workspace
@@ -18,6 +17,8 @@ from remote_site.teleop.followed_orientation import FollowedOrientation
 from remote_site.teleop.hold_offset import MOST_M, MOST_RAD, HoldOffset
 from remote_site.teleop.mapping import make_mapping
 
+EXACT = 1e-9  # m or rad: rounding is no lead
+HALVINGS = 8  # of the way of one sample: what is left of it is less than anything that moves
 LONGEST_STEP_S = 0.1  # between samples
 LED_SPARE = 0.1  # of the catch-up speed: what a led target leaves of it
 FELT_EXCESS_M = 0.002  # beyond the box: less is not told
@@ -54,6 +55,54 @@ class TargetTime:
         trusted_ns = OFFSET_TRUST * (sample.captured_ns - sample.born_ns)
         self._mean_offset_ns = min(max(mean_ns, stated_ns - trusted_ns), stated_ns + trusted_ns)
         return sample.sample.capture_ns + round(self._mean_offset_ns)
+
+
+class Leash:
+    """Holds targets within `distance_m` and `angle_rad` of the tool, as sent and as measured, whichever allows less.
+
+    A target is drawn towards the tool as it was sent, where the arm is led. What is measured only ever holds it back:
+    a reading that is wrong but plausible cannot draw it away from the way between the target before and the wanted one.
+    """
+
+    def __init__(self, distance_m: float, angle_rad: float) -> None:
+        self._distance_m, self._angle_rad = distance_m, angle_rad
+
+    def hold(self, wanted: Array, former: Array, sent: Array, measured: Array) -> tuple[Array, Reason | None]:
+        """The target for the `wanted` one, after the `former` one (all 4 x 4), and why where it is another."""
+        target = self._drawn(wanted, sent)
+        if not self._reaches(target, measured, measured):
+            target = self._led_on(former, target, measured)
+        if target is wanted:
+            return wanted, None
+        ahead_m, left_m = (max(_way(pose, arm)[0] for arm in (sent, measured)) for pose in (wanted, target))
+        return target, reason(Code.SATURATED, distance_mm=1e3 * ahead_m, limit_mm=1e3 * left_m)
+
+    def _drawn(self, wanted: Array, sent: Array) -> Array:
+        """The wanted target drawn towards the tool as sent until it is within both limits."""
+        distance, angle = _way(wanted, sent)
+        within = self._distance_m / max(distance, self._distance_m), self._angle_rad / max(angle, self._angle_rad)
+        return wanted if min(within) >= 1.0 else pose_between(sent, wanted, min(within))
+
+    def _led_on(self, former: Array, target: Array, measured: Array) -> Array:
+        """The last pose on the way to a target that is not farther from the measured tool than is allowed."""
+        least, most = 0.0, 1.0
+        for _ in range(HALVINGS):
+            fraction = (least + most) / 2
+            if self._reaches(pose_between(former, target, fraction), measured, former):
+                least = fraction
+            else:
+                most = fraction
+        return pose_between(former, target, least)
+
+    def _reaches(self, target: Array, measured: Array, former: Array) -> bool:
+        """Return whether a target is within both limits of the measured tool, or no farther from it than the former."""
+        ways = zip(_way(target, measured), _way(former, measured), (self._distance_m, self._angle_rad), strict=True)
+        return all(way <= max(before, limit) + EXACT for way, before, limit in ways)
+
+
+def _way(a: Array, b: Array) -> tuple[float, float]:
+    """The distance in m and the angle in rad between two poses (4 x 4)."""
+    return math.dist(a[:3, 3].tolist(), b[:3, 3].tolist()), angle_between(a[:3, :3], b[:3, :3])
 
 
 class ToolTarget:

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from common.geometry import Array, angle_between, rotation_from_vector, transform, vector_from_rotation
-from remote_site.motion.leash import Leash
 from remote_site.reasons import Code
+from remote_site.teleop.tool_target import Leash
 
 TOOL = transform(rotation_from_vector(np.array([0.2, 0.4, 0.1])), np.array([0.4, 0.1, 0.8]))
 LEASH = Leash(0.2, 1.0)
