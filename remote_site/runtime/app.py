@@ -31,7 +31,7 @@ from remote_site.kinematics.limits import load_arm
 from remote_site.link_config import VIEWERS_TABLE
 from remote_site.recording.memory import RecordingMemory
 from remote_site.recording.memory_files import memory_place
-from remote_site.recording.video_tap import VideoTap
+from remote_site.recording.taps import VideoTap
 from remote_site.runtime.assist_memory import AssistMemory
 from remote_site.runtime.checks import check_robot, say_what_is_not_guarded
 from remote_site.runtime.control import run_control

@@ -29,8 +29,8 @@ from remote_site.drivers.memory import DriverMemory
 from remote_site.drivers.supervisor.write_scheduler import LEAST_FRACTION
 from remote_site.kinematics.limits import load_arm
 from remote_site.reasons import Code, reason
-from remote_site.recording.control_tap import ControlTap
 from remote_site.recording.memory import RecordingMemory
+from remote_site.recording.taps import ControlTap
 from remote_site.runtime.assist_memory import AssistMemory
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.links import open_site_link

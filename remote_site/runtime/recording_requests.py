@@ -10,8 +10,8 @@ from common.messages.requests import RecordAction, RecordRequest, Reply
 from common.recording.episodes import MOST_EPISODES
 from common.recording.policy import RecorderRefusal, recorder_refusal
 from remote_site.reasons import Code, Reason, reason
-from remote_site.recording.control_tap import ControlTap
 from remote_site.recording.records import RecordOrder
+from remote_site.recording.taps import ControlTap
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.session.lease import Lease, LeaseServer
 

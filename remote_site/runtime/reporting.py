@@ -20,7 +20,7 @@ from common.messages.robot import (
 from common.process.link_log import LinkLog
 from common.process.run_summary import RunSummary
 from remote_site.kinematics.model import ArmModel
-from remote_site.recording.control_tap import ControlTap
+from remote_site.recording.taps import ControlTap
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.rate import Rate
 from remote_site.runtime.site_memory import SiteMemory

@@ -12,9 +12,9 @@ from common.link.channels import CAMERA, SHOWN, ChannelSession
 from common.link.transport import open_link
 from common.messages.recording import RecordingState
 from common.messages.video import VideoFrame, ViewCame, ViewShown, ViewsShown
-from remote_site.recording.control_tap import UNREADABLE
 from remote_site.recording.memory import RecordingMemory
 from remote_site.recording.memory_files import memory_place
+from remote_site.recording.taps import UNREADABLE
 from tests.common.recording.recorder_states import recorder
 from tests.faults.cell_pair import CellPair
 from tests.faults.pair_setup import CELL, OPERATOR

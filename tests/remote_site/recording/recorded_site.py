@@ -16,11 +16,10 @@ from common.recording.config import RecordConfig
 from common.recording.guarded import GuardedRecording
 from common.recording.session import RecordingPlan
 from remote_site.recording.attachment import SiteAttachment
-from remote_site.recording.control_tap import ControlTap
 from remote_site.recording.memory import RecordingMemory
 from remote_site.recording.recorder import CellRecorder
 from remote_site.recording.records import RecordOrder
-from remote_site.recording.video_tap import VideoTap
+from remote_site.recording.taps import ControlTap, VideoTap
 from remote_site.video.full_pictures import FullPictures
 from remote_site.video.streaming.pictures import encode_jpeg
 from remote_site.video.streaming.setting import StreamSetting

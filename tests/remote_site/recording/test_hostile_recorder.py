@@ -13,8 +13,8 @@ from structlog.testing import capture_logs
 from common.clock import NS_PER_S, FakeClock
 from common.messages.codec import decode, encode
 from common.messages.recording import RecordingNotice, RecordingState
-from remote_site.recording.control_tap import UNREADABLE, ControlTap
 from remote_site.recording.memory import RecordingMemory
+from remote_site.recording.taps import UNREADABLE, ControlTap
 from remote_site.shared_ring import HEAD, HEADER_BYTES, NUMBER, RESERVED, RingReader, SharedRing
 from tests.common.recording.recorder_states import ASKED
 

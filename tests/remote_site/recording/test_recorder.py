@@ -22,10 +22,10 @@ from common.messages.video import VideoFrame
 from common.recording.config import EpisodeBounds, RecordConfig, StartPolicy
 from common.recording.reader import RecordingReader
 from remote_site.kinematics.limits import load_arm
-from remote_site.recording.control_tap import ControlTap
 from remote_site.recording.cycle_record import decode_input, decode_outcome
 from remote_site.recording.kept_config import decode_config
 from remote_site.recording.memory import RecordingMemory
+from remote_site.recording.taps import ControlTap
 from remote_site.teleop.pipeline import TeleopPipeline
 from tests.present import present
 from tests.remote_site.driven_loop import CONFIG

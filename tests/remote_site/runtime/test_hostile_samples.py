@@ -7,9 +7,9 @@ import pytest
 
 from common.messages.codec import decode, encode
 from common.messages.robot import LoopTiming, RobotState, SessionState
-from remote_site.recording.control_tap import ControlTap
 from remote_site.recording.cycle_record import decode_input, encode_input
 from remote_site.recording.memory import RecordingMemory
+from remote_site.recording.taps import ControlTap
 from remote_site.runtime.reporting import Reporter
 from remote_site.runtime.site_memory import SiteMemory
 from remote_site.session.samples import NamedSample, as_of_now
