@@ -36,10 +36,9 @@ from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.links import open_site_link
 from remote_site.runtime.rate import Rate
 from remote_site.runtime.recording_requests import ControlRecording, RecordingRequests
-from remote_site.runtime.reporting import Reporter, loop_timing
+from remote_site.runtime.reporting import Reporter, StatePace, loop_timing
 from remote_site.runtime.request_server import RequestServer, describe
 from remote_site.runtime.site_memory import SiteMemory
-from remote_site.runtime.state_pace import StatePace
 from remote_site.safety.collision import CollisionModel
 from remote_site.session.lease import Lease, LeaseServer
 from remote_site.session.requests import SessionRequest

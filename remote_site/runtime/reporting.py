@@ -1,4 +1,4 @@
-"""Publishes the robot's state: which hand sample it obeys, and when that sample moved it."""
+"""Publishes the robot's state: which hand sample it obeys, when that moved it; at a pace that a long link takes."""
 
 import math
 import secrets
@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 from msgspec.structs import replace
 
+from common.clock import NS_PER_MS
 from common.link.pubsub import Publisher
 from common.messages.base import SESSION_BITS
 from common.messages.robot import (
@@ -20,6 +21,7 @@ from common.messages.robot import (
 from common.process.link_log import LinkLog
 from common.process.run_summary import RunSummary
 from remote_site.kinematics.model import ArmModel
+from remote_site.reasons import Code
 from remote_site.recording.taps import ControlTap
 from remote_site.runtime.driven_pipeline import DrivenPipeline
 from remote_site.runtime.rate import Rate
@@ -31,8 +33,43 @@ from remote_site.session.hand_link_verdict import judged
 from remote_site.session.lease import LeaseStatus
 from remote_site.teleop.cycle import Snapshot
 
+HEADER_BYTES = 100  # of Zenoh, QUIC, UDP and IP
+LEAST_WINDOW_BYTES = 2 * 1200
+UNKNOWN_MS = 120.0  # half a round trip, as long as no sample under a lease has shown it: a long way
+SHARE = 0.65  # of the window; the rest is for answers, and for samples that take longer than most
 LATE_PERCENTILE = 99.0
 STATES_PER_TIMING = 50  # ordering thousands of latenesses does not belong in every tick
+
+
+class StatePace:
+    """Keeps the states within what always passes, so that none waits behind others.
+
+    Where packets get lost, the congestion control of QUIC falls back to two packets per round trip (RFC 9002, section
+    7.2), of at least 1200 bytes (RFC 9000, section 14). States go before answers there: more of them would leave none
+    for the clock, the description and the lease. A change of the session's state or its code, and a halt, are never
+    held back.
+    """
+
+    def __init__(self) -> None:
+        self._sent_ns, self._bytes = 0, 0
+        self._said: tuple[SessionState, Code, int] | None = None
+
+    def is_due(self, now_ns: int, says: tuple[SessionState, Code, int], network_ms: float | None) -> bool:
+        """Return whether to send the state now, which then counts as sent.
+
+        `says` is the session's state with its code and its newest halt, `network_ms` half a round trip, None while it
+        is not known.
+        """
+        way_ms = UNKNOWN_MS if network_ms is None else network_ms
+        period_ns = 2 * way_ms * NS_PER_MS * self._bytes / (SHARE * LEAST_WINDOW_BYTES)
+        if says == self._said and now_ns - self._sent_ns < period_ns:
+            return False
+        self._sent_ns, self._said = now_ns, says
+        return True
+
+    def sent(self, payload_bytes: int) -> None:
+        """The state that was due had this size; the next one waits as long as that takes."""
+        self._bytes = payload_bytes + HEADER_BYTES
 
 
 class Reporter:

@@ -5,7 +5,7 @@ import pytest
 from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
-from remote_site.runtime.state_pace import HEADER_BYTES, LEAST_WINDOW_BYTES, UNKNOWN_MS, StatePace
+from remote_site.runtime.reporting import HEADER_BYTES, LEAST_WINDOW_BYTES, UNKNOWN_MS, StatePace
 
 FOLLOWS = SessionState.ENGAGED, Code.OK, 0
 HOLDS = SessionState.HOLDING, Code.STALE, 0
