@@ -23,7 +23,7 @@ def _tests(folder: Path, *names: str) -> tuple[Path, ...]:
 SURVIVING = TESTS / "test_surviving_changes.py"
 SESSION = (TESTS / "session",)
 LINK = (*_tests(TESTS / "session", "hand_link", "age_limit", "hold", "longest_hold"), TELEOP / "test_far_link.py")
-PAGE = (TESTS / "session" / "test_operator_page.py", TELEOP / "test_operator_settings.py")
+PAGE = (*SESSION, TELEOP / "test_operator_settings.py")
 VALIDATION = _tests(TELEOP, "sample_validator", "certainty", "turn_certainty", "orientation_gate")
 TURNS = _tests(TELEOP, "followed_orientation", "turning_target")
 MAPPING = _tests(
@@ -77,10 +77,9 @@ TARGETS = (
         fault_latch=6,
         lease=12,
         hold=6,
-        clutch=8,
     ),
     *_targets(REMOTE / "session", LINK, age_limit=8, hand_link_meter=8, hand_link_verdict=6, link_ages=6),
-    *_targets(REMOTE / "session", PAGE, operator_page=6),
+    *_targets(REMOTE / "session", PAGE, operator_page=14),
     *_targets(REMOTE / "teleop", VALIDATION, sample_validator=18, certainty=5, turn_certainty=6),
     *_targets(REMOTE / "teleop", TURNS, followed_orientation=10),
     *_targets(MAPPED, MAPPING, relative_mapping=8, rotation_mapping=4),

@@ -6,9 +6,8 @@ from common.messages.clutch_latch import ClutchLatch
 from common.messages.hand import ClutchKey, OperatorSettings
 from common.messages.robot import SessionState
 from remote_site.reasons import Code
-from remote_site.session import clutch as clutch_module
 from remote_site.session import lease as lease_module
-from remote_site.session.clutch import Clutch
+from remote_site.session import operator_page as page_module
 from remote_site.session.config import EngagementMode
 from remote_site.session.engagement_intent import EngagementIntent
 from remote_site.session.fault_latch import FaultLatch
@@ -16,7 +15,7 @@ from remote_site.session.halts import Halts
 from remote_site.session.hand_signal import HandSignal
 from remote_site.session.hold import Hold
 from remote_site.session.lease import Holder, LeaseServer
-from remote_site.session.operator_page import OperatorPage
+from remote_site.session.operator_page import Clutch, OperatorPage
 from remote_site.session.requests import RequestHandler
 from remote_site.session.state_machine import Session
 from tests.remote_site.mutation import Mutation
@@ -376,10 +375,10 @@ TEXTS = [
         lambda: of_clutch.test_a_hand_that_is_not_seen_is_not_calm(lambda rig: rig.wait(90)),
     ),
     (Clutch, "_settle", " or _moved(first, newest)", "", restless("to and fro")),
-    (clutch_module, "_moved", "return before is not now", "return False", restless("turning too fast to be shown")),
-    (clutch_module, "_moved", "angle_between(before, now) > CALM_RAD", "False", restless("turning")),
+    (page_module, "_moved", "return before is not now", "return False", restless("turning too fast to be shown")),
+    (page_module, "_moved", "angle_between(before, now) > CALM_RAD", "False", restless("turning")),
     (
-        clutch_module,
+        page_module,
         "_moved",
         "first.sample.hand_open != newest.sample.hand_open",
         "False",
