@@ -39,7 +39,7 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         if self.method not in tracker_names():
             raise ValueError(f"method {self.method!r} is not allowed: choose one of {', '.join(tracker_names())}")
         if self.options and self.own is not None:
-            raise ValueError(f"options are for an installed tracker: {self.method} has the table tracking.{self.method}")
+            raise ValueError(f"options are for an installed tracker: set {self.method}'s in tracking.{self.method}")
 
     @property
     def own(self) -> msgspec.Struct | None:

@@ -57,7 +57,7 @@ def test_a_wrong_option_is_named() -> None:
 
 
 def test_a_tracker_of_farhands_own_takes_no_options() -> None:
-    with pytest.raises(ConfigError, match=r"options are for an installed tracker: markers has the table tracking\.markers"):
+    with pytest.raises(ConfigError, match=r"an installed tracker: set markers's in tracking\.markers"):
         load_config(TrackingConfig, None, ["method=markers", "options.x_m=0.25"])
 
 
