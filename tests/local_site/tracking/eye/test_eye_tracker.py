@@ -151,6 +151,13 @@ def test_a_time_that_jumps_back_begins_anew(short: Drawn) -> None:
     assert short.rig.contains(earlier.wrist)
 
 
+def test_a_hand_outside_the_calibrated_volume_is_told_as_such(short: Drawn) -> None:
+    above = tuple(x + 2.0 for x in short.rig.volume_max)
+    rig = msgspec.structs.replace(short.rig, volume_min=above, volume_max=tuple(x + 0.5 for x in above))
+    tracker = EyeTracker(rig)
+    assert {tracker.track(views).reason for views in short.views(3)} == {TrackingReason.OUTSIDE_VOLUME}
+
+
 def test_too_few_views_and_wrong_pictures_are_named(short: Drawn) -> None:
     (views,) = short.views(1)
     tracker = EyeTracker(short.rig)
