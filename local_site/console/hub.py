@@ -14,11 +14,11 @@ from common.messages.requests import Description
 from common.messages.robot import RobotState
 from common.messages.video import VideoFrame
 from local_site.console.key_frames import KeyFrames
-from local_site.console.message_handler import NO_LEASE
 from local_site.console.model.frames import view_frame
 from local_site.console.model.history import History
 from local_site.console.model.late_reports import late_reports, named
 from local_site.console.model.latency import Latencies
+from local_site.console.model.leased_settings import NO_LEASE
 from local_site.console.model.page_messages import AnyPageMessage, parse
 from local_site.console.model.seat import Seat
 from local_site.console.model.sent_target import SentTarget, tools_json
@@ -43,7 +43,9 @@ class PageHandler(Protocol):
     """Handler of the pages' messages: that of a live cell, or that of a replay."""
 
     seat: Seat
-    settings: OperatorSettings | None
+
+    @property
+    def settings(self) -> OperatorSettings | None: ...
 
     def adopt(self, in_force: OperatorSettings | None, lease: int, late: str, now_ns: int) -> None: ...
 

@@ -5,9 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, assert_never
 
-from msgspec.structs import replace
-
-from common.clock import NS_PER_MS, NS_PER_S, ClockOffset
+from common.clock import NS_PER_MS, ClockOffset
 from common.errors import MessageError
 from common.messages.hand import Intent, OperatorIntent, OperatorSettings
 from common.messages.recording import EpisodeOutcome
@@ -17,6 +15,7 @@ from common.messages.video import VideoFrame, ViewsShown
 from local_site.console.model.history import History
 from local_site.console.model.late_reports import answered
 from local_site.console.model.latency import Latencies
+from local_site.console.model.leased_settings import LeasedSettings
 from local_site.console.model.page_messages import (
     AnyPageMessage,
     Ask,
@@ -37,9 +36,6 @@ from local_site.console.model.seat import Seat, SeatAnswer
 from local_site.console.model.shown import ShownViews
 from local_site.console.page import Page
 from local_site.console.request_pools import RequestPools, answer
-
-NO_LEASE = 0
-CONFIRMED_WITHIN_NS = NS_PER_S
 
 
 class Requests(Protocol):
@@ -67,8 +63,7 @@ class Outlets:
 class PageMessageHandler:
     """Lives in the event loop; every method is called there. Any page may stop the arm, the rest is the operator's.
 
-    `settings` are those in force at the remote site, with what the operating page has changed since; None until they
-    are known. Without outlets, where pages only watch, nothing is sent to the sites.
+    Without outlets, where pages only watch, nothing is sent to the sites.
     """
 
     def __init__(
@@ -81,9 +76,7 @@ class PageMessageHandler:
         session: int,
     ) -> None:
         self.seat = seat
-        self._lease, self._late = NO_LEASE, ""
-        self.settings: OperatorSettings | None = None
-        self._changed_ns = 0
+        self._settings, self._late = LeasedSettings(), ""
         self._reported = False
         self._outlets, self._requests = outlets, requests
         self._latencies, self._history = latencies, history
@@ -94,21 +87,20 @@ class PageMessageHandler:
         """Begin nothing more, and wait for the requests under way: their link is closed, so it is short."""
         self._pools.close()
 
+    @property
+    def settings(self) -> OperatorSettings | None:
+        """The settings in force at the remote site, or as the operating page has changed them; None if unknown."""
+        return self._settings.newest
+
     def adopt(self, in_force: OperatorSettings | None, lease: int, late: str, now_ns: int) -> None:
         """Take the settings in force, unless the operating page has just changed them under the lease held here.
 
         `lease` is the number of the lease that this console's operator holds, `late` what is late of the operating
-        page's reports, if any is. A change that is not in force after a second is dropped: it must not take
-        effect when nobody expects it.
+        page's reports, if any is.
         """
-        self._lease, self._late = lease, late
-        ours = self._own_settings()
-        is_newer = ours is not None and in_force is not None and ours.revision > in_force.revision
-        if is_newer and now_ns - self._changed_ns <= CONFIRMED_WITHIN_NS:
-            return
-        if is_newer:
+        self._late = late
+        if self._settings.adopt(in_force, lease, now_ns):
             self._history.note("operator", "a change of scales or locks was not taken by the remote site", now_ns)
-        self.settings = in_force
 
     def send_intent(self, now_ns: int) -> None:
         """Send the operating page's intent to the local site; once it is silent that is sent once, then nothing."""
@@ -122,7 +114,7 @@ class PageMessageHandler:
         seat = self.seat
         return Intent(
             hold=seat.held(now_ns),
-            settings=self._own_settings(),
+            settings=self._settings.own,
             assist=seat.assisted(now_ns),
             clutch=seat.clutch(now_ns),
         )
@@ -176,31 +168,16 @@ class PageMessageHandler:
     def _operate(self, message: Shown | NewOrigins | Steer, now_ns: int) -> None:
         match message:
             case NewOrigins() | Steer():
-                self._set(message, now_ns)
+                changed = self._settings.change(message, now_ns)
+                if changed and isinstance(message, NewOrigins):
+                    self._history.note("operator", "new origins taken", now_ns)
             case Shown():
                 self._report(message, now_ns)
             case _:
                 assert_never(message)
 
-    def _set(self, message: NewOrigins | Steer, now_ns: int) -> None:
-        """Change the settings under the lease held here; without one, or while they are unknown, there is no effect."""
-        settings = self._own_settings()
-        if settings is None:
-            return
-        self._changed_ns = now_ns
-        if isinstance(message, Steer):
-            self.settings = message.apply(settings)
-        else:
-            self.settings = replace(settings, revision=settings.revision + 1)
-            self._history.note("operator", "new origins taken", now_ns)
-
-    def _own_settings(self) -> OperatorSettings | None:
-        """The settings of the lease that this console's operator holds; None without one, or while they are unknown."""
-        settings = self.settings
-        return settings if settings is not None and settings.lease == self._lease else None
-
     def _report(self, message: Shown, now_ns: int) -> None:
-        shown = self._shown.message(message, self._lease, now_ns)
+        shown = self._shown.message(message, self._settings.lease, now_ns)
         if shown is None:
             return
         for camera, view in shown.views.items():

@@ -38,13 +38,19 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     def __post_init__(self) -> None:
         if self.method not in tracker_names():
             raise ValueError(f"method {self.method!r} is not allowed: choose one of {', '.join(tracker_names())}")
+        if self.options and self.own is not None:
+            raise ValueError(f"options are for an installed tracker: set {self.method}'s in tracking.{self.method}")
+
+    @property
+    def own(self) -> msgspec.Struct | None:
+        """The table of the method's name, which each of Farhand's own trackers has."""
+        table = getattr(self, self.method, None)
+        return table if isinstance(table, msgspec.Struct) else None
 
 
 def make_tracker(rig: Rig, config: TrackingConfig, profile: OperatorProfile | None = None) -> Tracker:
     """The tracker that the configuration asks for, with the operator's profile, if there is one."""
-    table = getattr(config, config.method, None)
-    own = table if isinstance(table, msgspec.Struct) else None
-    return tracker_kind(config.method).make(TrackerHost(rig, config.options, own, profile))
+    return tracker_kind(config.method).make(TrackerHost(rig, config.options, config.own, profile))
 
 
 def profile_of(tracker: Tracker) -> OperatorProfile | None:

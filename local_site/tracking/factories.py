@@ -4,7 +4,6 @@ from typing import TypeVar
 
 import msgspec
 
-from common.errors import ConfigError
 from local_site.tracking.config import EyeConfig, LearnedConfig, MarkersConfig, MonocularConfig, SilhouetteConfig
 from local_site.tracking.eye.eye_tracker import EyeTracker
 from local_site.tracking.learned.learned_tracker import LearnedTracker
@@ -17,9 +16,7 @@ S = TypeVar("S", bound=msgspec.Struct)
 
 
 def _own(host: TrackerHost, kind: type[S]) -> S:
-    """The tracker's own table; ConfigError for options, which are an installed tracker's."""
-    if host.options:
-        raise ConfigError("tracking.options: is for an installed tracker; this one has a table of its name")
+    """The tracker's own table."""
     return host.own if isinstance(host.own, kind) else kind()
 
 

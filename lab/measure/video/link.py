@@ -1,6 +1,5 @@
 """A simulated link of limited bandwidth, first in, first out, and a viewer at its end that reports what it shows."""
 
-import itertools
 import math
 from collections import deque
 from collections.abc import Callable
@@ -111,10 +110,12 @@ class _LinkedView:
 class Viewer:
     """Paints the newest picture of every camera, each `paints_fps` times a second at most; `painted` is what it did.
 
-    Where its host is busy, everything comes `late_ms` later, and its console says that it has waited for `waited_ms`.
+    With `reports` it is a console, which says what it shows, and with `h264` it decodes that. Where its host is busy,
+    everything comes `late_ms` later, and its console says that it has waited for `waited_ms`.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, reports: bool, h264: bool) -> None:
+        self._reports, self._h264 = reports, h264
         self.paints_fps = math.inf
         self.late_ms = self.waited_ms = 0.0
         self.painted: list[Arrival] = []
@@ -138,8 +139,15 @@ class Viewer:
                 self.painted.append(view.painted[-1])
                 view.shown = frame
 
-    def shown(self, now_ns: int) -> dict[str, ViewShown]:
-        """Report what its console shows."""
+    def report(self, now_ns: int) -> ViewsShown | None:
+        """Report what its console shows, ten times a second; None otherwise, or where it is none."""
+        if not self._reports or now_ns % REPORT_NS != 0 or not self._views:
+            return None
+        return ViewsShown(
+            session=1, lease=0, h264=self._h264, sent_ns=now_ns, views=self._shown(now_ns), waited_ms=self.waited_ms
+        )
+
+    def _shown(self, now_ns: int) -> dict[str, ViewShown]:
         since_ns, shown = now_ns - NS_PER_S, {}
         for camera, view in self._views.items():
             came_fps = float(sum(t_ns > since_ns for t_ns in view.came_ns))
@@ -152,6 +160,14 @@ class Viewer:
                 came=ViewCame(seq=view.came.seq, age_ms=came_age_ms, fps=came_fps),
             )
         return shown
+
+
+@dataclass
+class _Exposed:
+    """How many pictures a camera has sent, and when the last one."""
+
+    pictures: int = 0
+    sent_ns: int = -NS_PER_S
 
 
 class StreamRun:
@@ -174,18 +190,16 @@ class StreamRun:
         sees_queue: bool = False,
     ) -> None:
         self.adaptation = Adaptation(config, h264=h264)
-        self._h264, self._sees_queue = h264, sees_queue
+        self._sees_queue = sees_queue
         self._departures = Departures()
         self.link = SimulatedLink(mbit_s)
-        self.viewer = Viewer()
+        self.viewer = Viewer(reports=reports, h264=h264)
         self.now_ns = 0
         self.leaves_ms = self.waited_ms = 0.0
         self._leaving = InTransit[VideoFrame]()
         self._config = config
         self._picture = picture
-        self._reports = reports
-        self._numbers = {camera.name: itertools.count() for camera in config.cameras}
-        self._sent_ns = dict.fromkeys(self._numbers, -NS_PER_S)
+        self._cameras = {camera.name: _Exposed() for camera in config.cameras}
 
     def run(self, seconds: float) -> list[Arrival]:
         """Let time pass; the pictures painted meanwhile."""
@@ -199,32 +213,24 @@ class StreamRun:
             for frame in self.link.tick(self.now_ns):
                 self.viewer.take(frame, self.now_ns)
             self.viewer.paint(self.now_ns)
-            if self._reports and self.now_ns % REPORT_NS == 0 and (shown := self.viewer.shown(self.now_ns)):
-                report = ViewsShown(
-                    session=1,
-                    lease=0,
-                    h264=self._h264,
-                    sent_ns=self.now_ns,
-                    views=shown,
-                    waited_ms=self.viewer.waited_ms,
-                )
-                self.link.put_back(report, self.now_ns)
+            if (shown := self.viewer.report(self.now_ns)) is not None:
+                self.link.put_back(shown, self.now_ns)
             for report in self.link.came_back(self.now_ns):
                 self.adaptation.update(report, self.now_ns)
         return self.viewer.painted[before:]
 
     def _expose(self) -> None:
         period_ns = round(NS_PER_S / self._config.fps)
-        for k, camera in enumerate(self._numbers):
+        for k, (camera, exposed) in enumerate(self._cameras.items()):
             setting = self.adaptation.setting(camera, self.now_ns)
-            phase_ns = (self.now_ns + k * period_ns // len(self._numbers)) % period_ns
-            waited_ns = self.now_ns - self._sent_ns[camera]
+            phase_ns = (self.now_ns + k * period_ns // len(self._cameras)) % period_ns
+            waited_ns = self.now_ns - exposed.sent_ns
             due = phase_ns < TICK_NS and waited_ns > NS_PER_S / setting.fps - period_ns / 2
             if due and self._sees_queue and self._departures.waits(camera, self.link.queued_bytes, self.now_ns):
                 self.adaptation.hold_back(camera)
             elif due:
-                self._sent_ns[camera] = self.now_ns
-                seq = next(self._numbers[camera])
+                exposed.sent_ns = self.now_ns
+                seq, exposed.pictures = exposed.pictures, exposed.pictures + 1
                 frame = live_frame(camera, seq, self.now_ns, self._picture(camera, seq, setting))
                 self.adaptation.sent(frame, self.now_ns)
                 self._leaving.send(frame, self.now_ns + round(self.leaves_ms * NS_PER_MS))

@@ -66,8 +66,8 @@ class EyeTracker:
         if self._last is not None and abs(views.t_ns - self._last.t_ns) > LONGEST_S * NS_PER_S:
             self._forget()
         sights, fit = self._follow(views, self._last) if self._last is not None else self._begin(views)
-        if fit is None:
-            return self._lost(views, TrackingReason.NO_HAND)
+        if isinstance(fit, TrackingReason):
+            return self._lost(views, fit)
         self._judge(sights, fit)
         self._unseen = self._unseen + 1 if self._is_doubtful(sights, fit) else 0
         if self._unseen > PATIENCE or not np.isfinite(fit.points).all():
@@ -84,31 +84,29 @@ class EyeTracker:
         self._side += share * (side - self._side)
         self._misfit += share * (fit.misfit - self._misfit)
 
-    def _begin(self, views: Views) -> tuple[list[ViewSight], FittedPoints | None]:
+    def _begin(self, views: Views) -> tuple[list[ViewSight], FittedPoints | TrackingReason]:
         """Search for a hand, and look at it more and more closely; at one of those that were found in each instant."""
-        starts = self._search.starts([view.current.image for view in views.views])
-        inside = [points for points in starts if self._rig.contains(points[WRIST])][:MOST_STARTS]
-        if not inside:
-            return [], None
+        found = self._search.starts([view.current.image for view in views.views])
+        starts = ([points for points in found if self._rig.contains(points[WRIST])] or found)[:MOST_STARTS]
+        if not starts:
+            return [], TrackingReason.NO_HAND
         self._turn += 1
-        points = inside[self._turn % len(inside)]
+        points = starts[self._turn % len(starts)]
         for _ in range(START_LOOKS):
             sights = [eye.look(view.current, points) for eye, view in zip(self._eyes, views.views, strict=True)]
             fit = self._fitted(sights, Expected(points, np.full(POINTS, START_SIGMA_M)))
             points = fit.points
-        return (sights, fit) if self._is_arm(sights, fit) else ([], None)
+        return sights, self._refusal(sights, fit) or fit
 
-    def _is_arm(self, sights: Sequence[ViewSight], fit: FittedPoints) -> bool:
-        """Return whether two views are sure of a bare hand, and not of the other one, in the calibrated volume.
-
-        Others may not show it.
-        """
+    def _refusal(self, sights: Sequence[ViewSight], fit: FittedPoints) -> TrackingReason | None:
+        """Return why this is not the operator's hand; None if two views are sure of it. Others may not show it."""
         surest = sorted(sights, key=lambda sight: -sight.bare)[:MIN_VIEWS]
-        bare = surest[-1].bare
         side = float(np.mean([sight.side for sight in surest]))
         spread_m = float(np.sqrt(np.median(np.trace(fit.covariances[WRIST:], axis1=1, axis2=2))))
-        is_sure = bare > BARE and side > OTHER_SIDE and spread_m < MOST_SPREAD_M and fit.misfit < BEGUN_MISFIT
-        return is_sure and self._rig.contains(fit.points[WRIST])
+        is_hand = surest[-1].bare > BARE and spread_m < MOST_SPREAD_M and fit.misfit < BEGUN_MISFIT
+        if not is_hand or not side > OTHER_SIDE:
+            return TrackingReason.OTHER_SIDE if is_hand else TrackingReason.NO_HAND
+        return None if self._rig.contains(fit.points[WRIST]) else TrackingReason.OUTSIDE_VOLUME
 
     def _follow(self, views: Views, last: _LastArm) -> tuple[list[ViewSight], FittedPoints]:
         ahead_s = (views.t_ns - last.t_ns) / NS_PER_S

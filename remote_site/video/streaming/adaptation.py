@@ -1,19 +1,19 @@
 """The codec, quality, size and rate of every camera, from what came to the operator's console and what it shows."""
 
-import statistics
 from collections import deque
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 
-from common.clock import NS_PER_MS, NS_PER_S
+from common.clock import NS_PER_S
 from common.link.channels import SHOWN
 from common.messages.robot import VideoLink
-from common.messages.video import Codec, VideoFrame, ViewShown, ViewsShown
+from common.messages.video import Codec, VideoFrame, ViewsShown
 from remote_site.video.config import VideoConfig
 from remote_site.video.streaming.busy_hosts import BusyHosts
 from remote_site.video.streaming.codec_choice import CodecChoice
 from remote_site.video.streaming.link_rate import USED, Least, LinkRate
+from remote_site.video.streaming.page_rate import LEAST_FPS, PageRate
 from remote_site.video.streaming.sent_pictures import SentPictures, together
 from remote_site.video.streaming.setting import StreamSetting, fit, fit_h264, most_h264_bytes
 from remote_site.video.streaming.video_trouble import busy_host, narrow_link, slow_page
@@ -24,56 +24,48 @@ OLDER_CONSOLES = 16
 UNTOLD_NS = 3 * NS_PER_S  # within which a console that operates reports, also over a link with a long way
 UNTOLD_SCALE = 0.5
 FEW = 0.7  # of the pictures: so many fewer are worth a word
-PAINTS = 0.85  # of what comes: a page that paints less is behind
-BEHIND_MS = 40.0  # and so is one that paints this much later than it has of late
-PROMPT_MS = 60.0  # one that has never painted earlier than this is behind too
-BEHIND_REPORTS = 3
-REDUCED = 0.85  # of what it paints while it is behind
-SETTLE_NS = 1500 * NS_PER_MS  # rates are counted over a second
-CAUTIOUS_NS = 1500 * NS_PER_MS  # after that: then the cause may have ended, and the rate grows as if it had
-CAUTION = 0.7, 1.3  # of the rate at which it last fell behind: between these the rate grows slowly at first
-GROWTH_PER_S, CAUTIOUS_GROWTH_PER_S = 3.0, 1.04
-LEAST_FPS = 5.0
 
 
-class PageRate:
-    """A limit of the rate of every camera; None while the page keeps up with all.
-
-    A page that cannot keep up skips pictures, and each of them has cost the host that draws it processor time. Near the
-    rate at which it fell behind it is given more slowly at first, then quickly, as TCP does (CUBIC, RFC 9438): all
-    comes again within five seconds of the cause's end.
-    """
+class FollowedConsole:
+    """Which console's reports count, and when each was sent by this host's clock: the newest, until it is silent."""
 
     def __init__(self) -> None:
-        self.fps: float | None = None
-        self._behind_reports = 0
-        self._least_lag_ms = Least()
-        self._settled_ns = 0
-        self._report_ns = 0
-        self._too_much_fps = 0.0
+        self.session: int | None = None
+        self._reported_ns = self._newest_told_ns = 0
+        self._older: deque[int] = deque(maxlen=OLDER_CONSOLES)
+        self._way_back = Least()
 
-    def report(self, views: Sequence[ViewShown], full_fps: float, now_ns: int) -> None:
-        """Take in what the page has shown of each camera, and the rate that the cameras have."""
-        passed_ns, self._report_ns = min(now_ns - self._report_ns, NS_PER_S), now_ns
-        painted, came = (statistics.fmean(rates) for rates in zip(*((v.fps, v.came.fps) for v in views), strict=True))
-        lag_ms = statistics.median(view.age_ms - view.came.age_ms for view in views)
-        prompt_ms = min(PROMPT_MS, self._least_lag_ms.see(lag_ms, now_ns))
-        behind = painted < PAINTS * came or lag_ms > prompt_ms + BEHIND_MS
-        self._behind_reports = self._behind_reports + 1 if behind else 0
-        if now_ns < self._settled_ns:
-            return
-        if self._behind_reports >= BEHIND_REPORTS:
-            self._too_much_fps = self.fps or full_fps
-            self.fps = min(max(LEAST_FPS, REDUCED * painted), self._too_much_fps)
-            self._settled_ns = now_ns + SETTLE_NS
-        elif not behind and self.fps is not None:
-            more = self.fps * self._growth_per_s(self.fps, now_ns) ** (passed_ns / NS_PER_S)
-            self.fps = more if more < full_fps else None
+    def is_silent(self, now_ns: int) -> bool:
+        """Return whether none has reported for a second."""
+        return now_ns - self._reported_ns > SHOWN.stale_after_ns
 
-    def _growth_per_s(self, fps: float, now_ns: int) -> float:
-        low, high = (fraction * self._too_much_fps for fraction in CAUTION)
-        cautious = low < fps < high and now_ns < self._settled_ns + CAUTIOUS_NS
-        return CAUTIOUS_GROWTH_PER_S if cautious else GROWTH_PER_S
+    def passes_over(self, session: int, now_ns: int) -> bool:
+        """Return whether this is an older console, while a newer one reports."""
+        return session != self.session and session in self._older and not self.is_silent(now_ns)
+
+    def follow(self, session: int, now_ns: int) -> bool:
+        """Follow the console that has just reported; return whether it is another than before."""
+        self._reported_ns = now_ns
+        if session == self.session:
+            return False
+        if self.session is not None:
+            self._older.append(self.session)
+        self.forget()
+        self.session = session
+        return True
+
+    def forget(self) -> None:
+        """Follow none."""
+        self.session, self._newest_told_ns, self._way_back = None, 0, Least()
+
+    def told_ns(self, shown: ViewsShown, now_ns: int) -> int:
+        """Compute when a report would have come without delay on its way back: that delay says nothing about pictures.
+
+        Where the console's clock loses time that would be ever earlier, so it is never before the report before.
+        """
+        told_ns = shown.sent_ns + round(self._way_back.see(now_ns - shown.sent_ns, now_ns))
+        self._newest_told_ns = max(self._newest_told_ns, told_ns)
+        return self._newest_told_ns
 
 
 class Adaptation:
@@ -94,10 +86,9 @@ class Adaptation:
         self._full = StreamSetting(config.quality, 1.0, config.fps)
         self._new_choice = partial(CodecChoice, config.codec, encodes=h264)
         self._sent = {camera.name: SentPictures() for camera in config.cameras}
-        self._reported_ns = self._newest_told_ns = 0
         self._listened_ns: int | None = -UNTOLD_NS
-        self._older: deque[int] = deque(maxlen=OLDER_CONSOLES)
-        self._forget(None)
+        self._console = FollowedConsole()
+        self._begin()
 
     def sent(self, frame: VideoFrame, now_ns: int) -> None:
         """Note a message that was sent."""
@@ -121,10 +112,12 @@ class Adaptation:
 
     def update(self, shown: ViewsShown, now_ns: int) -> None:
         """Take a console's report of what it has shown."""
-        if not self._follow(shown.session, now_ns):
+        if self._console.passes_over(shown.session, now_ns):
             return
+        if self._console.follow(shown.session, now_ns):
+            self._begin()
         self._hosts.report(shown.waited_ms, now_ns)
-        told_ns = self._told_ns(shown, now_ns)
+        told_ns = self._console.told_ns(shown, now_ns)
         views = {name: view for name, view in shown.views.items() if name in self._sent}
         came = [one for name, view in views.items() if (one := self._sent[name].come(view.came, told_ns)) is not None]
         if came:
@@ -136,16 +129,17 @@ class Adaptation:
 
     def setting(self, camera: str, now_ns: int) -> StreamSetting:
         """Return how the camera's next picture is to be sent."""
-        if self._console is not None and now_ns - self._reported_ns > SHOWN.stale_after_ns:
+        if self._console.session is not None and self._console.is_silent(now_ns):
             self.forget()
         setting = self._settings[camera]
-        if self._console is None and (self._listened_ns is None or now_ns - self._listened_ns < UNTOLD_NS):
+        if self._console.session is None and (self._listened_ns is None or now_ns - self._listened_ns < UNTOLD_NS):
             return replace(setting, scale=UNTOLD_SCALE, fps=min(LEAST_FPS, setting.fps))
         return setting
 
     def forget(self) -> None:
         """Follow no console, until one reports again."""
-        self._forget(None)
+        self._console.forget()
+        self._begin()
 
     def trouble(self, now_ns: int) -> VideoLink | None:
         """Say what of link, page or processor keeps pictures from coming all and in time; None where nothing does."""
@@ -160,33 +154,9 @@ class Adaptation:
         fps = self._page.fps
         return slow_page(fps, self._full.fps, needs) if fps is not None and fps < FEW * self._full.fps else None
 
-    def _follow(self, session: int, now_ns: int) -> bool:
-        """Follow this console if it counts, and return whether it does; the first report of a new one takes over."""
-        silent = now_ns - self._reported_ns > SHOWN.stale_after_ns
-        if session != self._console:
-            if session in self._older and not silent:
-                return False
-            if self._console is not None:
-                self._older.append(self._console)
-            self._forget(session)
-        self._reported_ns = now_ns
-        return True
-
-    def _told_ns(self, shown: ViewsShown, now_ns: int) -> int:
-        """Compute when a report would have come without delay on its way back: that delay says nothing about pictures.
-
-        Where the console's clock loses time that would be ever earlier, so it is never before the report before.
-        """
-        told_ns = shown.sent_ns + round(self._way_back.see(now_ns - shown.sent_ns, now_ns))
-        self._newest_told_ns = max(self._newest_told_ns, told_ns)
-        return self._newest_told_ns
-
-    def _forget(self, console: int | None) -> None:
-        """Reset for another console, or for none."""
-        self._console = console
-        self._link, self._page, self._way_back = LinkRate(), PageRate(), Least()
-        self._hosts = BusyHosts()
-        self._newest_told_ns = 0
+    def _begin(self) -> None:
+        """Know nothing yet of the console that is followed, or of none."""
+        self._link, self._page, self._hosts = LinkRate(), PageRate(), BusyHosts()
         self._choice = self._new_choice()
         self._settings = dict.fromkeys(self._sent, replace(self._full, codec=self._choice.codec))
         for sent in self._sent.values():

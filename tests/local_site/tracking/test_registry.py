@@ -57,9 +57,8 @@ def test_a_wrong_option_is_named() -> None:
 
 
 def test_a_tracker_of_farhands_own_takes_no_options() -> None:
-    config = load_config(TrackingConfig, None, ["method=markers", "options.x_m=0.25"])
-    with pytest.raises(ConfigError, match=r"tracking\.options: is for an installed tracker"):
-        make_tracker(RIG, config)
+    with pytest.raises(ConfigError, match=r"an installed tracker: set markers's in tracking\.markers"):
+        load_config(TrackingConfig, None, ["method=markers", "options.x_m=0.25"])
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,9 @@ from common.messages.video import (
 )
 from lab.measure.video.link import REPORT_NS, StreamRun
 from remote_site.video.config import VideoConfig
-from remote_site.video.streaming.adaptation import LEAST_FPS, Adaptation, fair_limit
+from remote_site.video.streaming.adaptation import Adaptation, fair_limit
 from remote_site.video.streaming.encoding import Encoded
+from remote_site.video.streaming.page_rate import LEAST_FPS
 from remote_site.video.streaming.sent_pictures import SentPictures
 from remote_site.video.streaming.setting import StreamSetting, fit
 from tests.present import present
