@@ -33,7 +33,7 @@ LONGEST_S, TIMES = 240.0, 4.0  # a mutant whose tests take longer than both, the
 OURS = ("common", "farhand", "lab", "local_site", "remote_site")
 POLL_S = 0.05
 PASSED = 0
-ALONE = ("--disable-plugin-autoload", "-p", "no:cacheprovider")
+ALONE = ("--disable-plugin-autoload", "-p", "pytest_timeout", "-p", "no:cacheprovider")
 OPTIONS = ("-x", "-q", *ALONE, "-m", "not long and not faults")
 
 

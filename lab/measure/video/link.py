@@ -115,7 +115,7 @@ class Viewer:
     """
 
     def __init__(self, *, reports: bool, h264: bool) -> None:
-        self._reports, self._h264 = reports, h264
+        self.reports, self._h264 = reports, h264
         self.paints_fps = math.inf
         self.late_ms = self.waited_ms = 0.0
         self.painted: list[Arrival] = []
@@ -141,7 +141,7 @@ class Viewer:
 
     def report(self, now_ns: int) -> ViewsShown | None:
         """Report what its console shows, ten times a second; None otherwise, or where it is none."""
-        if not self._reports or now_ns % REPORT_NS != 0 or not self._views:
+        if not self.reports or now_ns % REPORT_NS != 0 or not self._views:
             return None
         return ViewsShown(
             session=1, lease=0, h264=self._h264, sent_ns=now_ns, views=self._shown(now_ns), waited_ms=self.waited_ms

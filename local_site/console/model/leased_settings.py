@@ -43,6 +43,8 @@ class LeasedSettings:
         if settings is None:
             return False
         self._changed_ns = now_ns
-        steers = isinstance(message, Steer)
-        self.newest = message.apply(settings) if steers else replace(settings, revision=settings.revision + 1)
+        if isinstance(message, Steer):
+            self.newest = message.apply(settings)
+        else:
+            self.newest = replace(settings, revision=settings.revision + 1)
         return True

@@ -32,7 +32,7 @@ for now in ("is None", "is not None"):
 """
 
 
-@pytest.mark.long
+@pytest.mark.slow
 def test_a_change_of_a_module_that_is_loaded_already_is_seen_by_its_tests() -> None:
     done = subprocess.run([sys.executable, "-c", SCRIPT], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["survives", "noticed"]

@@ -108,9 +108,9 @@ def test_a_link_that_becomes_free_again_carries_full_quality_within_seconds(mbit
 
 def test_a_link_that_was_full_before_the_console_reported_is_emptied():
     run = StreamRun(CONFIG, pictures(), 20.0)
-    run._reports = False
+    run.viewer.reports = False
     run.run(2.0)
-    run._reports = True
+    run.viewer.reports = True
     run.run(6.0)
     assert np.percentile(ages_ms(run.run(10.0)), 95) < 300.0
 
