@@ -27,12 +27,22 @@ TINY = 1e-12
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """One step: joint positions (n,) in rad and speeds in rad/s, and how far off the tool was before it."""
+    """One step: joint positions (n,) in rad and speeds in rad/s, and how far off the tool was before it.
+
+    `asked` (n,) in rad/s are the speeds that the target's own motion asks for, whatever the joints can.
+    """
 
     q: Array
     dq: Array
     off_m: float
     off_rad: float
+    asked: Array
+
+    @classmethod
+    def at_rest(cls, q: Array) -> "Move":
+        """Make the step of an arm that rests at `q` (n,), on its target."""
+        still = np.zeros(len(q))
+        return cls(q.copy(), still, 0.0, 0.0, still)
 
 
 class DifferentialInverse:
@@ -61,10 +71,11 @@ class DifferentialInverse:
         n = len(limits.names)
         self._no_rows, self._sense = np.zeros((0, n)), np.zeros(n, dtype=np.int32)
 
-    def step(self, last: Move, base_T_target: Array, twist: Array, dt: float, elbow: Array | None) -> Move:
-        """From the last step towards a finite pose (4 x 4) that moves with `twist` (6,) in m/s and rad/s, for `dt` s.
+    def step(self, last: Move, base_T_target: Array, twist: Array, pace: float, dt: float, elbow: Array | None) -> Move:
+        """From the last step towards a finite pose (4 x 4), for `dt` s.
 
-        `elbow` (3,) in m is the operator's, from the wrist, in the base's axes; None if it was never seen.
+        It moves with `twist` (6,) in m/s and rad/s at `pace` 1, and at another pace that many times as fast. `elbow`
+        (3,) in m is the operator's, from the wrist, in the base's axes; None if it was never seen.
         """
         q, model, frame = last.q, self._model.pin_model, self._model.tcp_frame
         pin.computeJointJacobians(model, self._data, q)
@@ -74,23 +85,33 @@ class DifferentialInverse:
             [base_T_target[:3, 3] - pose.translation, pin.log3(base_T_target[:3, :3] @ pose.rotation.T)]
         )
         off_m, off_rad = math.sqrt(float(off[:3] @ off[:3])), math.sqrt(float(off[3:] @ off[3:]))
-        back = (off - dt * twist) * min(self._gain, _rate(off_m, BRAKE_M_S2), _rate(off_rad, BRAKE_RAD_S2))
+        moving = pace * twist
+        back = (off - dt * moving) * min(self._gain, _rate(off_m, BRAKE_M_S2), _rate(off_rad, BRAKE_RAD_S2))
         error = self._weights[:, 0] * off
-        dq = self._speeds(last, jacobian, twist + back, float(error @ error), dt, elbow)
-        return Move(q + dt * dq, dq, off_m, off_rad)
+        dq, asked = self._speeds(last, jacobian, moving + back, twist, float(error @ error), dt, elbow)
+        return Move(q + dt * dq, dq, off_m, off_rad, asked)
 
     def _speeds(
-        self, last: Move, jacobian: Array, wanted: Array, error_square: float, dt: float, elbow: Array | None
-    ) -> Array:
+        self,
+        last: Move,
+        jacobian: Array,
+        wanted: Array,
+        twist: Array,
+        error_square: float,
+        dt: float,
+        elbow: Array | None,
+    ) -> tuple[Array, Array]:
+        """The joints' speeds (n,) for what is wanted (6,), and those that a twist (6,) on the target would need."""
         weighted = self._weights * jacobian
         u, sigma, vt, failed = lapack.dgesdd(weighted)
         if failed:
-            return np.zeros(len(last.q))
+            return np.zeros(len(last.q)), np.zeros(len(last.q))
         least = sigma[0] / self._damp
-        damping = np.maximum(least**2 - sigma**2, 0.0) + ERROR_DAMPING * error_square
-        squares = sigma**2 + damping
-        rows = vt[: len(sigma)]
-        dq: Array = ((u.T @ (self._weights[:, 0] * wanted))[: len(sigma)] * sigma / squares) @ rows
+        kept = np.maximum(sigma, least) ** 2
+        squares = kept + ERROR_DAMPING * error_square
+        rows, columns = vt[: len(sigma)], u.T[: len(sigma)] * self._weights[:, 0]
+        asked = (columns @ twist * sigma / kept) @ rows
+        dq: Array = (columns @ wanted * sigma / squares) @ rows
         dq += self._free(last.q, vt, rows, sigma**2 / squares, elbow, dt)
         lowest, highest = self._box(last, dt)
         if (dq < lowest).any() or (dq > highest).any():
@@ -98,7 +119,7 @@ class DifferentialInverse:
             weight = (vt.T * weights) @ vt
             found, _, status, _ = daqp.solve(weight, -weight @ dq, self._no_rows, highest, lowest, self._sense)
             dq = np.minimum(np.maximum(found if status == SOLVED else dq, lowest), highest)
-        return dq
+        return dq, asked
 
     def _free(self, q: Array, vt: Array, rows: Array, taken: Array, elbow: Array | None, dt: float) -> Array:
         """Null-space speeds (n,): the operator's elbow followed, or back to the posture."""

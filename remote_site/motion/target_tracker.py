@@ -17,6 +17,7 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import JointLimits
 from remote_site.kinematics.model import ArmModel
 from remote_site.motion.config import ControlConfig
+from remote_site.motion.delayed_target import DelayedTarget, Followed
 from remote_site.motion.target_predictor import SLOWEST, TargetPredictor, joint_target_predictor
 from remote_site.motion.tool_sample import ToolSample
 from remote_site.motion.waiting_target import WaitingTarget
@@ -149,6 +150,7 @@ class DifferentialTracker:
         self._predictor = TargetPredictor(6, control)
         self._dt = 1.0 / control.rate_hz
         self._lead = control.solver.lead_rad
+        self._delayed = DelayedTarget(limits, self._dt)
         self.reset(0, robot.start)
 
     def reset(self, t_ns: int, q: Array) -> None:
@@ -157,7 +159,8 @@ class DifferentialTracker:
         self._turned_from = base_T_tool[:3, :3].copy()
         self._pose = np.concatenate([base_T_tool[:3, 3], np.zeros(3)])
         self._predictor.reset(t_ns, self._pose)
-        self._move = Move(q.copy(), np.zeros(len(q)), 0.0, 0.0)
+        self._delayed.reset()
+        self._move = Move.at_rest(q)
         self._elbow: Array | None = None
         self._off: Reason | None = None
         if self._inverse.swivel is not None:
@@ -171,20 +174,24 @@ class DifferentialTracker:
         turn = unwound(pin.log3(base_T_target[:3, :3] @ self._turned_from.T), self._pose[3:])
         self._pose = np.concatenate([base_T_target[:3, 3], turn])
         self._predictor.aim(target, self._pose, moving=target.leashed is None)
+        self._delayed.path.add(target.t_ns, self._pose)
         self._elbow = elbow if elbow is not None else self._elbow
         return self._off
 
     def at(self, now_ns: int, sent: JointMotion, speed: float, *, barred: bool = False) -> JointMotion:
-        """One step towards the predicted target, from joints that never run away from the arm."""
-        del speed, barred
-        q = sent.q
+        """One step towards the target, predicted or late, from joints that never run away from the arm."""
+        q, delayed, last = sent.q, self._delayed, self._move
         pose, rate, _ = self._predictor.at(now_ns)
+        delayed.path.predict(pose, rate)
+        pose, rate = delayed.path.at(now_ns - self._predictor.delay_ns, delayed.delay_s)
+        arm = Followed(last.dq, last.asked, self._model.position(q) - pose[:3])
+        delayed.advance(arm, max(speed, SLOWEST), rate, barred=barred)
         target = transform(pin.exp3(pose[3:]) @ self._turned_from, pose[:3])
         twist = np.concatenate([rate[:3], pin.Jexp3(pose[3:]).T @ rate[3:]])
-        last = self._move
         kept = np.minimum(np.maximum(last.q, q - self._lead), q + self._lead)
         kept = kept + UNWIND_S * self._dt * (q - kept)
-        move = self._move = self._inverse.step(replace(last, q=kept), target, twist, self._dt, self._elbow)
+        start = replace(last, q=kept)
+        move = self._move = self._inverse.step(start, target, twist, delayed.pace, self._dt, self._elbow)
         far = move.off_m > FAR_M or move.off_rad > FAR_RAD
         off = {"distance_mm": move.off_m * 1e3, "angle_deg": float(np.degrees(move.off_rad))}
         self._off = reason(Code.UNREACHED, **off) if far else None

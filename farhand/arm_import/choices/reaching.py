@@ -51,9 +51,9 @@ class Reaching:
         What is free of seven axes tends to `posture` (n,).
         """
         solver = DifferentialInverse(self.model, self._quick, SOLVER, SINGULARITY, posture)
-        move, still = Move(q, np.zeros(len(q)), math.inf, math.inf), np.zeros(6)
+        move, still = replace(Move.at_rest(q), off_m=math.inf, off_rad=math.inf), np.zeros(6)
         for _ in range(MOST_STEPS):
-            move = solver.step(move, base_T_tool, still, STEP_S, None)
+            move = solver.step(move, base_T_tool, still, 1.0, STEP_S, None)
             if move.off_m < REACHED_M and move.off_rad < REACHED_RAD:
                 return move.q
         return None

@@ -29,9 +29,9 @@ def test_a_joint_with_the_speed_stops_in_just_the_way(way: float, acceleration: 
 def steps(q: np.ndarray, base_T_target: np.ndarray, ticks: int) -> list[Move]:
     """The general solver's towards a target, from rest at `q`."""
     inverse, moves = DifferentialInverse(MODEL, LIMITS, SolverConfig(), SingularityConfig(), START), []
-    last = Move(q, np.zeros(7), 0.0, 0.0)
+    last = Move.at_rest(q)
     for _ in range(ticks):
-        last = inverse.step(last, base_T_target, np.zeros(6), DT, None)
+        last = inverse.step(last, base_T_target, np.zeros(6), 1.0, DT, None)
         moves.append(last)
     return moves
 

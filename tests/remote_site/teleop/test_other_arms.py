@@ -102,10 +102,10 @@ def test_an_elbow_that_is_not_seen_leaves_the_free_motion_to_the_posture():
 @pytest.mark.parametrize("config", [OFFSET_WRIST, SEVEN_AXES], ids=["offset wrist", "seven axes"])
 def test_a_target_3_m_away_is_leashed_without_thrash_and_the_way_back_is_open(config):
     def out_and_back(t):
-        out = 3.0 * (smooth(t / 3.0) - smooth((t - 5.0) / 3.0))
+        out = 3.0 * (smooth(t / 3.0) - smooth((t - 6.5) / 3.0))
         return np.array([0.0, -out, 0.0]), np.zeros(3)
 
-    followed = Followed(config, out_and_back, 9.5)
+    followed = Followed(config, out_and_back, 11.0)
     loop = followed.loop
     _, dq, ddq = loop.arrays()
     away = slice(-1250, -1150)
