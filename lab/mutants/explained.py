@@ -49,6 +49,23 @@ EXPLAINED = {
     "last bit, may count as either",
     f"{ASSIST}/standing_marker.py:_moved_by: angle_rad <= MOVED_RAD -> angle_rad < MOVED_RAD": "a turn of exactly "
     "3 deg, to the last bit, may count as either",
+    "remote_site/session/engagement_intent.py:expires: now_ns >= self._armed_until_ns -> "
+    "now_ns > self._armed_until_ns": "its last nanosecond may count as either",
+    "remote_site/session/hand_link_meter.py:__init__: self._newest_ns = -1 -> pass": "the first sample is of another "
+    "session than none, which sets it",
+    "remote_site/session/link_ages.py:__init__: 0 -> 1": "ages are kept from the second sample on, which sets it",
+    "remote_site/session/link_ages.py:usual_ns: True -> False": STRICT,
+    "remote_site/session/operator_page.py:_settle: newest.born_ns - first.born_ns >= CALM_NS -> "
+    "newest.born_ns - first.born_ns > CALM_NS": "a hand that was calm for exactly 200 ms may count as either",
+    "remote_site/teleop/sample_validator.py:__init__: 0 -> 1": "jumps are counted from an accepted sample on, which "
+    "sets it",
+    "remote_site/teleop/sample_validator.py:_speed_rad_s: 1 -> 2": "of two samples a nanosecond apart, half the speed "
+    "is too fast as well",
+    "remote_site/teleop/certainty.py:elbow_is_certain: _sigma_mm(covariance, point) <= config.position_poor_mm -> "
+    "_sigma_mm(covariance, point) < config.position_poor_mm": "exactly that uncertain, to the last bit, it may count "
+    "as either",
+    "remote_site/teleop/followed_orientation.py:hand_R_followed: NO_LAG if self._followed is self._shown else "
+    "self._shown.T @ self._followed -> self._shown.T @ self._followed": QUICKER,
     "remote_site/session/lease.py:__init__: 0 -> 1": "nobody has asked yet, and who asks sets it",
     "remote_site/drivers/supervisor/write_scheduler.py:reach: 0 -> 1": "a nanosecond of the plan moves no joint",
     "remote_site/drivers/supervisor/writer.py:hand_over: 0 -> 1": "two nanoseconds of the plan move no joint",

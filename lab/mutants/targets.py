@@ -22,7 +22,10 @@ def _tests(folder: Path, *names: str) -> tuple[Path, ...]:
 
 SURVIVING = TESTS / "test_surviving_changes.py"
 SESSION = (TESTS / "session",)
-LINK = (*_tests(TESTS / "session", "hand_link", "age_limit", "hold", "longest_hold"), TELEOP / "test_far_link.py")
+LINK = (
+    *_tests(TESTS / "session", "link_ages", "hand_link", "age_limit", "hold", "longest_hold"),
+    TELEOP / "test_far_link.py",
+)
 PAGE = (*SESSION, TELEOP / "test_operator_settings.py")
 VALIDATION = _tests(TELEOP, "sample_validator", "certainty", "turn_certainty", "orientation_gate")
 TURNS = _tests(TELEOP, "followed_orientation", "turning_target")

@@ -122,6 +122,13 @@ def test_each_stop_is_logged_also_behind_another_and_during_a_fault():
     ]
 
 
+def test_the_first_cause_of_a_fault_is_kept():
+    rig = engaged()
+    for cause in ("the driver died", "brakes on"):
+        rig.session.fault(cause, rig.now_ns)
+    assert rig.wait(4).reason.sentence == "the driver died; reset it, then engage"
+
+
 @pytest.mark.parametrize("first", ["stop", "fault"])
 def test_a_stop_shows_with_a_fault_whichever_came_first_and_a_reset_of_one_clears_none(first):
     rig = engaged()

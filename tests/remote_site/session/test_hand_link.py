@@ -124,6 +124,15 @@ def test_loss_is_what_never_came_and_neither_reordering_nor_doubling() -> None:
     assert measured(lossy, now_ns).loss == pytest.approx(0.1, abs=0.01)
 
 
+def test_from_three_in_a_hundred_on_lost_samples_are_said() -> None:
+    meter = HandLinkMeter()
+    for seq in range(50):
+        now_ns = arrive(meter, seq, network_ms=20.0)
+    link = measured(meter, now_ns)
+    codes = [present(judged(msgspec.structs.replace(link, loss=loss), 400.0)).code for loss in (0.0299, 0.03)]
+    assert codes == ["", "samples_lost"]
+
+
 def test_jitter_is_the_mean_change_of_the_time_in_the_network_whatever_the_offset() -> None:
     meter, rng = HandLinkMeter(), np.random.default_rng(3)
     for seq in range(150):

@@ -98,6 +98,11 @@ def test_the_slow_beginning_of_a_sudden_turn_is_taken_back_once():
     assert all(apart_deg(after, np.eye(3)) < 1e-6 for after in found[24:])
 
 
+def test_no_more_is_taken_back_than_the_last_150_ms():
+    found = followed([*[turned(k) for k in range(30)], None])
+    assert apart_deg(found[-1], turned(29 - 150 / 33)) < 1.0
+
+
 def test_a_new_reference_forgets_the_lag():
     following = FollowedOrientation()
     following.begin(np.eye(3))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS
+from common.geometry import rotation_from_vector
 from common.messages.hand import OperatorSettings
 from common.messages.robot import Pose
 from remote_site.config import RemoteConfig
@@ -13,6 +14,7 @@ from remote_site.motion.config import ControlConfig
 from remote_site.reasons import Code
 from remote_site.session.samples import Accepted
 from remote_site.teleop.config import MappingConfig
+from remote_site.teleop.hold_offset import MOST_RAD
 from remote_site.teleop.tool_target import ToolTarget
 from tests.remote_site.remote_loop import arm, hand, workspace
 
@@ -137,7 +139,21 @@ def test_new_origins_in_an_engagement_name_exactly_how_far_they_move_the_target(
     target.capture(sample((0.0, 0.09, 0.0)), AS_GRANTED, START, 3)
     assert target.engagement.shift_mm == pytest.approx(90.0)
     target.capture(sample((0.0, 0.03, 0.0)), AS_GRANTED, START, 4)
-    assert target.engagement.shift_mm == 0.0
+    assert (target.engagement.shift_mm, target.engagement.shift_deg) == (0.0, 0.0)
+
+
+def test_new_origins_that_the_operator_clutched_for_name_no_shift():
+    target = captured(leash_m=1.0)
+    target.capture(sample((0.0, 0.09, 0.0)), AS_GRANTED, TURNED, 3, clutched=True)
+    assert (target.engagement.shift_mm, target.engagement.shift_deg) == (0.0, 0.0)
+
+
+def test_settings_that_came_while_the_tool_was_led_count_from_where_the_hand_takes_over():
+    target, doubled = captured(leash_m=1.0), OperatorSettings(revision=1, scale=2.0)
+    target.lead(TOOL, sample(), START, START, NOW)
+    target.rebase(sample(), doubled)
+    aimed = target.aim(sample((0.01, 0.0, 0.0)), doubled, START, START, NOW)
+    assert aimed.base_T_target[:3, 3] - TOOL[:3, 3] == pytest.approx([0.02, 0.0, 0.0])
 
 
 def test_a_hold_that_no_newer_sample_ends_gives_new_origins():
@@ -160,3 +176,13 @@ def test_after_a_hold_the_hands_own_way_counts_however_it_is_scaled(way_m, resum
     target.capture(sample(), half, START, 3)
     moved = sample((way_m, 0.0, 0.0), BORN + 100 * NS_PER_MS)
     assert target.resume(moved, half, START, BORN + 20 * NS_PER_MS) is resumes
+
+
+@pytest.mark.parametrize(("share", "resumes"), [(0.9, True), (1.35, False)])
+def test_after_a_hold_the_hands_own_turn_counts_however_it_is_scaled(share, resumes):
+    target, half = captured(), OperatorSettings(rotation_scale=0.5)
+    before = dataclasses.replace(sample(), operator_R_hand=np.eye(3))
+    target.capture(before, half, START, 3)
+    turn = rotation_from_vector(np.array([0.0, 0.0, share * MOST_RAD]))
+    turned = dataclasses.replace(sample(born_ns=BORN + 100 * NS_PER_MS), operator_R_hand=turn)
+    assert target.resume(turned, half, START, BORN + 20 * NS_PER_MS) is resumes
