@@ -36,7 +36,7 @@ test-lab: $(READY)  ## the tests of the lab, which measures Farhand
 	@$(BIN)/python -m pytest --numprocesses 2 --no-loadscope-reorder $(ARGS) tests/lab
 
 long: $(READY)  ## the tests that take long
-	@$(BIN)/python -m pytest -m long --numprocesses 2 --no-loadscope-reorder $(ARGS)
+	@$(BIN)/python -m pytest -m long --numprocesses 2 --no-loadscope-reorder --hypothesis-profile "other examples" $(ARGS)
 
 faults: $(READY)  ## every fault of the table on both sites, reported in build/faults.json and build/faults/report.html
 	@$(BIN)/python -m pytest -m faults $(ARGS) tests/faults

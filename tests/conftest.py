@@ -16,7 +16,8 @@ from xdist.scheduler import LoadScopeScheduling
 from common.process.service import STOP_SIGNALS
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the workers already fill the processors
-settings.register_profile("any machine", deadline=None)  # a busy one takes its time
+settings.register_profile("any machine", deadline=None, derandomize=True)  # a busy one takes its time
+settings.register_profile("other examples", deadline=None)  # for `make long`
 settings.load_profile("any machine")
 
 HERE = Path(__file__).parent

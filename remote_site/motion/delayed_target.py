@@ -14,7 +14,7 @@ BEGIN_M, AVERAGED_S = 0.005, 0.05  # a tool that is so far off on average is lef
 NEAR_M, FAR_M = 0.002, 0.006  # the target waits for a tool that is off it: the more, the farther
 BENT, BRAKED, HARDEST = 0.5, 0.6, 0.72  # of the joints' accelerations: for bends, to change the pace, to brake
 CATCH_UP, MOST_PACE = 2.0, 5.0  # times as fast as after a hold: the hand is there, and sees it
-RESTS, HELD_S = 0.03, 0.1  # of full speed, and for how long: an arm that comes no nearer to where its target waits
+RESTS, NEARER_M, HELD_S = 0.03, 0.0002, 0.3  # a pace at which the target waits; an arm that comes no nearer, so long
 LONGEST_S = 5.0  # of the path: with more left, the target goes straight to the hand
 SLOW, SLOWEST_PACE = 1e-9, 0.02
 
@@ -46,7 +46,7 @@ class DelayedTarget:
         """Be where the hand is, at rest; forget its path."""
         self.path.clear()
         self.delay_s, self.pace = 0.0, 1.0
-        self._held_s, self._gave_up = 0.0, False
+        self._held_s, self._least_m, self._gave_up = 0.0, math.inf, False
         self._asked: Array | None = None
         self._off = np.zeros(3)
 
@@ -77,7 +77,7 @@ class DelayedTarget:
         followable = float(np.min(fastest / np.maximum(np.abs(arm.asked), SLOW)))
         if self.delay_s == 0.0 and followable >= 1.0 and math.hypot(*self._off) < BEGIN_M:
             return 1.0
-        return min(_catching_up(rate), followable, self._at_a_bend(arm.asked)) * self._near(arm, fastest)
+        return min(_catching_up(rate), followable, self._at_a_bend(arm.asked)) * self._near(arm)
 
     def _at_a_bend(self, asked: Array) -> float:
         """The pace at which p² du/ds takes its part of the joints' accelerations."""
@@ -86,16 +86,18 @@ class DelayedTarget:
         bend = np.abs(asked - self._asked) / (self._dt * self.pace)
         return math.sqrt(float(np.min(BENT * self._limits.acceleration / np.maximum(bend, SLOW))))
 
-    def _near(self, arm: Followed, fastest: Array) -> float:
+    def _near(self, arm: Followed) -> float:
         """Rate how near the tool is to the target: 1 where it goes on as it can, 0 where it waits.
 
-        It waits in vain for an arm at rest, at the end of its reach or of a joint. From there the arm follows the hand
-        itself, until it is near again.
+        It waits in vain for an arm that comes no nearer, at the end of its reach or of a joint. From there the arm
+        follows the hand itself, until it is near again.
         """
         off_m = math.hypot(*arm.off)
-        rests = off_m >= FAR_M and float(np.max(np.abs(arm.dq) / fastest)) < RESTS
-        self._held_s = self._held_s + self._dt if rests else 0.0
-        self._gave_up = off_m >= FAR_M and (self._gave_up or self._held_s > HELD_S)
+        if self.pace >= RESTS or off_m < self._least_m - NEARER_M:
+            self._least_m, self._held_s = off_m, 0.0
+        else:
+            self._held_s += self._dt
+        self._gave_up = self._held_s > HELD_S or (self._gave_up and off_m >= FAR_M)
         return 1.0 if self._gave_up else min(max((FAR_M - off_m) / (FAR_M - NEAR_M), 0.0), 1.0)
 
 
