@@ -111,7 +111,7 @@ def run_control(
             driver.stop()
             loop.end()
         finally:
-            log_summary(reporter.summary.sentences())
+            log_summary(reporter.log.summary.sentences())
 
 
 class Inbox:

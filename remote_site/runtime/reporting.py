@@ -72,11 +72,27 @@ class StatePace:
         self._bytes = payload_bytes + HEADER_BYTES
 
 
-class Reporter:
-    """Publishes RobotState with the times of the obeyed samples, and shares the lease in force.
+class StateLog:
+    """Logs what changes from state to state: the session, its links and limits; `summary` counts what was published."""
 
-    `summary` counts what was published.
-    """
+    def __init__(self) -> None:
+        self._session, self._link = TransitionLog(), LinkLog()
+        self.summary = RunSummary()
+
+    def note_tick(self, snapshot: Snapshot) -> None:
+        """Note a tick, whether or not its state is published."""
+        self._session.note(snapshot.state, snapshot.reason, snapshot.halted_ns, snapshot.now_ns)
+
+    def note_published(self, state: RobotState, now_ns: int) -> None:
+        """Note a state that was published."""
+        readiness = state.readiness
+        self._link.note_limit(state.age_limit_ms, state.speed_scale, readiness.code, readiness.reason)
+        self._link.note(state.hand_link, state.video_link, now_ns)
+        self.summary.note(state, now_ns)
+
+
+class Reporter:
+    """Publishes RobotState with the times of the obeyed samples, logs it, and shares the lease in force."""
 
     def __init__(
         self,
@@ -99,12 +115,11 @@ class Reporter:
         self._seq = 0
         self._tracing = Tracing()
         self._timing = measure_timing()
-        self._log, self._link_log = TransitionLog(), LinkLog()
-        self.summary = RunSummary()
+        self.log = StateLog()
 
     def note(self, snapshot: Snapshot, driven: DrivenPipeline) -> None:
         """Note the command that first obeys a sample, and the reading that first shows it in the robot's motion."""
-        self._log.note(snapshot.state, snapshot.reason, snapshot.halted_ns, snapshot.now_ns)
+        self.log.note_tick(snapshot)
         if snapshot.obeys is not None:
             self._tracing.obey(snapshot.obeys, driven.seq, snapshot.now_ns, driven.sent)
         self._tracing.see(driven.report)
@@ -116,11 +131,8 @@ class Reporter:
             self._timing = self._measure_timing()
         self._site.show_lease(snapshot.lease.lease)
         state = self._completed(self._state(snapshot, driven, malformed), snapshot, driven)
-        readiness = state.readiness
-        self._link_log.note_limit(state.age_limit_ms, state.speed_scale, readiness.code, readiness.reason)
-        self._link_log.note(state.hand_link, state.video_link, snapshot.now_ns)
         self._publisher.put(state)
-        self.summary.note(state, snapshot.now_ns)
+        self.log.note_published(state, snapshot.now_ns)
         return self._publisher.payload_bytes
 
     def _state(self, snapshot: Snapshot, driven: DrivenPipeline, malformed: Mapping[str, int]) -> RobotState:
