@@ -8,7 +8,7 @@ import numpy as np
 from common.geometry import Array
 from remote_site.kinematics.limits import TARGET_SPEED, JointLimits
 from remote_site.motion.catch_up import BOUNDS
-from remote_site.motion.hand_path import HandPath
+from remote_site.motion.target_path import TargetPath
 
 BEGIN_M, AVERAGED_S = 0.005, 0.05  # a tool that is so far off on average is left behind: noise takes it less far
 NEAR_M, FAR_M = 0.002, 0.006  # the target waits for a tool that is off it: the more, the farther
@@ -39,7 +39,7 @@ class DelayedTarget:
     """
 
     def __init__(self, limits: JointLimits, dt: float) -> None:
-        self.path, self._limits, self._dt = HandPath(dt), limits, dt
+        self.path, self._limits, self._dt = TargetPath(dt), limits, dt
         self.reset()
 
     def reset(self) -> None:

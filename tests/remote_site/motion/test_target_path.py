@@ -5,7 +5,7 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
-from remote_site.motion.hand_path import HandPath
+from remote_site.motion.target_path import TargetPath
 
 DT = 0.004
 INTERVAL_MS, AGE_MS = 32, 30
@@ -17,9 +17,9 @@ def curve(t_s: float) -> tuple[Array, Array]:
     return a + b * t_s + c * t_s**2, b + 2 * c * t_s
 
 
-def walked(off: float = 0.0, noise: float = 0.0, interval_ms: int = INTERVAL_MS) -> HandPath:
+def walked(off: float = 0.0, noise: float = 0.0, interval_ms: int = INTERVAL_MS) -> TargetPath:
     """A path of two seconds, with predictions that are off, and samples with noise that are known AGE_MS later."""
-    path, random = HandPath(DT), np.random.default_rng(3)
+    path, random = TargetPath(DT), np.random.default_rng(3)
     for ms in range(0, 2000, 4):
         if ms % interval_ms == 0:
             path.add(ms * NS_PER_MS, curve(ms / 1e3)[0] + noise * random.standard_normal(6))
@@ -69,7 +69,7 @@ def test_samples_that_come_late_or_twice_are_left_out() -> None:
 
 
 def test_where_there_are_too_few_samples_predictions_serve_and_the_oldest_at_most() -> None:
-    path = HandPath(DT)
+    path = TargetPath(DT)
     for k in range(5):
         path.predict(np.full(6, float(k)), np.zeros(6))
     assert path.at(0, 2 * DT)[0] == pytest.approx(np.full(6, 2.0))

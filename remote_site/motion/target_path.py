@@ -1,4 +1,4 @@
-"""The hand's path behind the target: where the target was predicted of late, and all samples before; pure."""
+"""The path of the tool's target: where it was predicted of late, and all samples before; pure."""
 
 from collections import deque
 
@@ -15,7 +15,7 @@ LEARNED = 0.1  # of a new interval
 FIRST_INTERVAL_S = 1 / 30
 
 
-class HandPath:
+class TargetPath:
     """Poses (6,) of the tool, position in m and rotation vector in rad, by the hand's time."""
 
     def __init__(self, dt: float) -> None:
