@@ -7,7 +7,7 @@ import numpy as np
 from common.clock import NS_PER_S
 from common.geometry import Array
 
-MOST_SAMPLES = 400
+MOST_SAMPLES = 1024  # more than the longest delay's, also of cameras at 120 Hz
 NARROWEST_S, WIDEST_S, WIDENED = 0.06, 0.15, 0.4  # of what is averaged about a place: of the delay, within bounds
 ENOUGH = 1.25  # times the way to the second sample on either side, so that a parabola is determined
 PREDICTED = 2.5  # sample intervals, within which the path goes over from predictions to samples

@@ -5,6 +5,7 @@ import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
 from common.geometry import Array
+from remote_site.motion.delayed_target import LONGEST_S
 from remote_site.motion.target_path import TargetPath
 
 DT = 0.004
@@ -17,10 +18,10 @@ def curve(t_s: float) -> tuple[Array, Array]:
     return a + b * t_s + c * t_s**2, b + 2 * c * t_s
 
 
-def walked(off: float = 0.0, noise: float = 0.0, interval_ms: int = INTERVAL_MS) -> TargetPath:
-    """A path of two seconds, with predictions that are off, and samples with noise that are known AGE_MS later."""
+def walked(off: float = 0.0, noise: float = 0.0, interval_ms: int = INTERVAL_MS, begin_ms: int = 0) -> TargetPath:
+    """A path until two seconds, with predictions that are off, and samples with noise that are known AGE_MS later."""
     path, random = TargetPath(DT), np.random.default_rng(3)
-    for ms in range(0, 2000, 4):
+    for ms in range(begin_ms, 2000, 4):
         if ms % interval_ms == 0:
             path.add(ms * NS_PER_MS, curve(ms / 1e3)[0] + noise * random.standard_normal(6))
         pose, rate = curve((ms - AGE_MS) / 1e3)
@@ -38,6 +39,12 @@ def test_the_path_is_passed_as_it_was_however_late(delay_s: float, interval_ms: 
     expected, moving = curve(NOW_NS / NS_PER_S - delay_s)
     assert pose == pytest.approx(expected, abs=1e-5)
     assert rate == pytest.approx(moving, abs=1e-4)
+
+
+def test_the_longest_delay_is_still_on_the_path_of_cameras_at_120_hz() -> None:
+    delay_s = LONGEST_S - 0.1
+    pose, _ = walked(interval_ms=8, begin_ms=-6000).at(NOW_NS, delay_s)
+    assert pose == pytest.approx(curve(NOW_NS / NS_PER_S - delay_s)[0], abs=1e-5)
 
 
 def test_of_predictions_that_overshoot_the_less_is_left_the_longer_the_delay() -> None:
