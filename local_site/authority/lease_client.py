@@ -72,6 +72,33 @@ class LeaseAndClock:
     clock: ClockSync | None = None
 
 
+class PolledClock:
+    """The remote site's clock, measured every 200 ms; where it stays silent, a warning says why."""
+
+    def __init__(self, link: Link, cell: str, operator: str) -> None:
+        self._link, self._cell, self._operator = link, cell, operator
+        self._due_ns = 0
+        self.remote = RemoteClock(link, cell, ROUNDS_TO_DOUBT)
+
+    def poll(self, now_ns: int) -> None:
+        """Measure it if that is due."""
+        if now_ns < self._due_ns:
+            return
+        self._due_ns = now_ns + CLOCK_EVERY_NS
+        self.remote.measure()
+        if self.remote.silent_rounds == ROUNDS_TO_WARN:
+            Aside("silence").start(self._warn_of_silence)
+
+    def _warn_of_silence(self) -> None:
+        no_quic = self._link.why_no_quic()
+        if no_quic:
+            tell_by_tls(self._link, self._cell, self._operator, no_quic)
+        cure = no_quic or self._link.why_silent() or "start it, and check the cell and the endpoint"
+        structlog.get_logger().warning(
+            "the remote site does not answer", cell=self._cell, endpoint=self._link.leads_to, cure=cure
+        )
+
+
 class Authority:
     """Acquires and renews the lease while its block lasts, and releases it at the end, if the remote site answers soon.
 
@@ -82,10 +109,9 @@ class Authority:
         self.session = session
         self._link, self._cell = link, cell
         self._policy = LeasePolicy(operator, automatic=automatic)
-        self._remote_clock = RemoteClock(link, cell, ROUNDS_TO_DOUBT)
-        self._client = RequestClient(link, cell, self._remote_clock, operator=operator, patience_ns=PATIENCE_NS)
+        self._clock = PolledClock(link, cell, operator)
+        self._client = RequestClient(link, cell, self._clock.remote, operator=operator, patience_ns=PATIENCE_NS)
         self._server = link.serve(OPERATE, cell, RefusalLog().note, operator=operator)
-        self._clock_due_ns = 0
         self._described = False
         self._refused: RefusedError | None = None
         self._logged = ""
@@ -114,7 +140,7 @@ class Authority:
             raise self._refused
         if not self._thread.is_alive():
             raise ProcessError("the thread that keeps the lease has died")
-        known = self._remote_clock.estimate(now_ns, captured_ns)
+        known = self._clock.remote.estimate(now_ns, captured_ns)
         return LeaseAndClock(self._policy.held(now_ns), _sync(known) if known is not None else None)
 
     def _run(self) -> None:
@@ -131,27 +157,11 @@ class Authority:
                 raise
 
     def _step(self, now_ns: int) -> None:
-        if now_ns >= self._clock_due_ns:
-            self._measure(now_ns)
+        self._clock.poll(now_ns)
         action = self._policy.due(now_ns)
         if action is not None and (action is LeaseAction.RENEW or self._is_described()):
             self._request(action)
         self._server.poll(time.monotonic_ns(), self._operate)
-
-    def _measure(self, now_ns: int) -> None:
-        self._clock_due_ns = now_ns + CLOCK_EVERY_NS
-        self._remote_clock.measure()
-        if self._remote_clock.silent_rounds == ROUNDS_TO_WARN:
-            Aside("silence").start(self._warn_of_silence)
-
-    def _warn_of_silence(self) -> None:
-        no_quic = self._link.why_no_quic()
-        if no_quic:
-            tell_by_tls(self._link, self._cell, self._policy.operator, no_quic)
-        cure = no_quic or self._link.why_silent() or "start it, and check the cell and the endpoint"
-        structlog.get_logger().warning(
-            "the remote site does not answer", cell=self._cell, endpoint=self._link.leads_to, cure=cure
-        )
 
     def _is_described(self) -> bool:
         """Ask for the cell's description once, so that another protocol is noticed before anything moves."""
@@ -168,7 +178,7 @@ class Authority:
     def _request(self, action: LeaseAction, to: Asker | None = None) -> LeaseReply | None:
         """Send a request; None while the remote clock is not known or without an answer."""
         asked_ns = time.monotonic_ns()
-        if self._remote_clock.estimate(asked_ns) is None:
+        if self._clock.remote.estimate(asked_ns) is None:
             return None
         held = self._policy.held(asked_ns)
         make = partial(LeaseRequest, action=action, session=self.session, lease=held, to=to)

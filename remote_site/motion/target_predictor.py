@@ -1,6 +1,7 @@
 """The predicted target between hand samples: each estimate joined to the one before without a jump; pure."""
 
 import math
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -24,6 +25,16 @@ SPEEDING = 2.0  # for a target faster than the arm may be: what it cannot follow
 
 Numbers = list[float]
 Motion = tuple[Array, Array, Array]
+
+
+@dataclass(frozen=True, slots=True)
+class TargetCurve:
+    """The curve to which the target converges at `rate` (rad/s) since `since_ns`; its `states` hold for `t_ns`."""
+
+    states: list[State]
+    t_ns: int
+    since_ns: int
+    rate: float
 
 
 class Bounds(Protocol):
@@ -142,14 +153,13 @@ class TargetPredictor:
     def reset(self, t_ns: int, q: Array) -> None:
         """A target that rests at `q` (n,) since `t_ns`."""
         self._haste = Haste()
-        self._t_ns = self._since_ns = self._end_ns = t_ns
+        self._end_ns = t_ns
         self._delay_ns, self._is_first = 0, True
-        self._rate = self._estimator.rate_at_rest
         self._estimator.reset(t_ns, q.tolist())
-        self._curve = self._estimator.states
+        self._curve = TargetCurve(self._estimator.states, t_ns, t_ns, self._estimator.rate_at_rest)
         # of every number: its offset from the curve, the offset's initial decay, what it has to catch up with slowly
-        self._offsets = [(0.0, 0.0, 0.0) for _ in self._curve]
-        self._catch_up.reset(t_ns, self._rate)
+        self._offsets = [(0.0, 0.0, 0.0) for _ in q]
+        self._catch_up.reset(t_ns, self._curve.rate)
 
     def aim(self, sample: ToolSample, q: Array, *, moving: bool = True) -> None:
         """Take a new sample of the target, (n,) numbers `q` for the time `sample.t_ns`, later than the last.
@@ -178,9 +188,9 @@ class TargetPredictor:
 
     def at(self, now_ns: int) -> Motion:
         """The target's position (n,), velocity and acceleration (n,) per s and s² at `now_ns`, within its bounds."""
-        if now_ns > self._end_ns and any(velocity for _, velocity, _ in self._curve):
+        if now_ns > self._end_ns and any(velocity for _, velocity, _ in self._curve.states):
             rest = [(position, 0.0, 0.0) for position in self._at_end()]
-            self._turn_to(self._end_ns, rest, self._end_ns, self._rate)
+            self._turn_to(self._end_ns, rest, self._end_ns, self._curve.rate)
         positions, wanted, accelerations = self._converging(now_ns)
         positions, velocities = self._bounds.clamp(positions, wanted)
         columns = zip(accelerations, velocities, wanted, strict=True)
@@ -205,21 +215,22 @@ class TargetPredictor:
         off = [at - position for at, (position, _, _) in zip(here, now, strict=True)]
         dq_off = [at - velocity for at, (_, velocity, _) in zip(moving, now, strict=True)]
         rate = self._bounds.convergence(rate, off, dq_off)
-        remaining = self._catch_up.remaining([late for *_, late in self._offsets], now_ns - self._since_ns)
+        remaining = self._catch_up.remaining([late for *_, late in self._offsets], now_ns - self._curve.since_ns)
         slow = self._catch_up.update_slow_part(here, off, dq_off, rate, remaining)
         slow_rate, columns = self._catch_up.rate, zip(off, dq_off, slow, strict=True)
         self._offsets = [
             (away - late, step + slow_rate * late + rate * (away - late), late) for away, step, late in columns
         ]
-        self._curve, self._t_ns, self._since_ns, self._rate = states, t_ns, now_ns, rate
+        self._curve = TargetCurve(states, t_ns, now_ns, rate)
 
     def _converging(self, now_ns: int) -> tuple[Numbers, Numbers, Numbers]:
-        t, since, rate = (now_ns - self._t_ns) / NS_PER_S, max(now_ns - self._since_ns, 0) / NS_PER_S, self._rate
+        curve, rate = self._curve, self._curve.rate
+        t, since = (now_ns - curve.t_ns) / NS_PER_S, max(now_ns - curve.since_ns, 0) / NS_PER_S
         slow_rate = self._catch_up.rate
         decay, slow_decay = math.exp(-rate * since), math.exp(-slow_rate * since)
         positions, velocities, accelerations = [], [], []
         _, way, gained, fading = Transition.over(t)
-        for (position, velocity, acceleration), (off, push, late) in zip(self._curve, self._offsets, strict=True):
+        for (position, velocity, acceleration), (off, push, late) in zip(curve.states, self._offsets, strict=True):
             left, lacking, pushed = decay * (off + since * push), slow_decay * late, decay * push
             positions.append(position + t * velocity + way * acceleration + left + lacking)
             velocities.append(velocity + gained * acceleration + pushed - rate * left - slow_rate * lacking)

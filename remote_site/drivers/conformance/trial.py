@@ -98,18 +98,21 @@ class Trial:
     """One driver, from construction to deactivation, behind the supervisor that its process has."""
 
     def __init__(self, stand: DriverStand, monitor: CallMonitor, watch: CallWatch) -> None:
-        self.clock, self.watch = stand.clock, watch
+        self._stand, self.watch = stand, watch
         self.setup = gentle(stand.setup)
         self.driver = DriverUnderTest(stand.make, monitor, watch)
         self.supervisor = DriverSupervisor(self.driver, self.setup, stand.clock, NoMark(), GripWatch(GripSettings()))
         self.log: list[RobotReading] = []
         self.commanded: list[tuple[int, Array]] = []  # time in ns and joints at each reading of the log
         self._should_stop = stand.should_stop
-        self._start = stand.start
         self._way = stand.start, stand.start  # of the last motion that was commanded, from and to
         self._activation = self._seq = 0
-        self._follower = JerkLimitedTracker(self.setup.limits, self.setup.dt)
         self.side = 1.0
+
+    @property
+    def clock(self) -> Clock:
+        """The stand's clock."""
+        return self._stand.clock
 
     @property
     def lag_ms(self) -> float:
@@ -129,7 +132,7 @@ class Trial:
     @property
     def q0(self) -> Array:
         """The measured posture of the robot."""
-        return self.log[-1].q if self.log else self._start
+        return self.log[-1].q if self.log else self._stand.start
 
     def configured(self) -> "Trial":
         """The same, configured, with a first reading where the driver has one before it is activated."""
@@ -161,7 +164,6 @@ class Trial:
         self._activation += 1
         given, zero = self.q0, np.zeros(len(self.q0))
         command = JointCommand(self._seq, self.clock.now_ns(), given, zero, zero, GripperCommand.KEEP)
-        self._follower.reset(JointMotion.at_rest(given))
         self.run(STEP_MS, [DriverOrder(self._activation, True, self.supervisor.commanded.stop_count, command)])
         for _ in range(READY_MS // STEP_MS):
             if self.supervisor.state is not SupervisorState.ACTIVATING:
@@ -197,9 +199,10 @@ class Trial:
     def move(self, target: Array, ms: float, gripper: GripperCommand = GripperCommand.KEEP) -> None:
         """Command motion to `target` for `ms`, and the gripper, one command a tick."""
         self._way = self.q0, target
+        follower = JerkLimitedTracker(self.setup.limits, self.setup.dt)
         for _ in range(round(ms / 1000 / self.setup.dt)):
-            self._follower.reset(self.supervisor.commanded.motion)
-            motion = self._follower.track(JointMotion.at_rest(target))
+            follower.reset(self.supervisor.commanded.motion)
+            motion = follower.track(JointMotion.at_rest(target))
             if not isinstance(motion, JointMotion):
                 where = positions(self.setup.joint_names, target)
                 raise Failed(f"no trajectory to {where}: {motion.sentence}")

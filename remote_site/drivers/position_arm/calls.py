@@ -69,7 +69,7 @@ class ArmCalls:
     """
 
     def __init__(self, arm: PositionArm, clock: Clock) -> None:
-        self._arm, self._clock, self._name = arm, clock, type(arm).__name__
+        self._arm, self._clock = arm, clock
         self._period_ns = round(NS_PER_S / arm.rate_hz)
         self._due_ns = 0
         self._owes_stop = False
@@ -84,6 +84,11 @@ class ArmCalls:
     def due_ns(self) -> int:
         """The time at which the arm is to be read again, ns."""
         return self._due_ns
+
+    @property
+    def _kind(self) -> str:
+        """The class of the arm, which its author knows."""
+        return type(self._arm).__name__
 
     def begin(self, q: Array, hang: Array, most_rad: Array, most_n: float) -> None:
         """Nothing has been commanded; the gripper, too, keeps what it does. `most_n` is its largest force.
@@ -159,9 +164,9 @@ class ArmCalls:
         try:
             positions: Array = np.array(given, dtype=float)
         except (TypeError, ValueError) as error:
-            raise ArmCallError(f"{self._name}.read returned {type(given).__name__}, {expected}: {error}") from error
+            raise ArmCallError(f"{self._kind}.read returned {type(given).__name__}, {expected}: {error}") from error
         if positions.shape != (self._arm.joints,):
-            raise ArmCallError(f"{self._name}.read returned positions of the shape {positions.shape}, {expected}")
+            raise ArmCallError(f"{self._kind}.read returned positions of the shape {positions.shape}, {expected}")
         return positions
 
     def _opening_m(self) -> float | None:
@@ -180,7 +185,7 @@ class ArmCalls:
             self._call("close_gripper", lambda: arm.close_gripper(self._most_n))
 
     def _call(self, method: str, call: Callable[[], T]) -> T:
-        name = f"{self._name}.{method}"
+        name = f"{self._kind}.{method}"
         self.under_way = name, self._clock.now_ns()
         try:
             return call()

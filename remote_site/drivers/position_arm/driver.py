@@ -1,6 +1,6 @@
 """The whole driver around an arm that takes positions: activation, speeds, stops, the time-out, and what it refuses."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,14 @@ from remote_site.safety.silence import Silence
 # than of other arms; an encoder of 4096 counts that flickers by several stays within it.
 NEAR_RAD = 0.02
 LONGEST_SPEED_MS = 500.0
+
+
+@dataclass(frozen=True, slots=True)
+class WrittenCommand:
+    """A command, and when the arm was given it, ns."""
+
+    command: JointCommand
+    t_ns: int
 
 
 class PositionArmDriver:
@@ -52,8 +60,7 @@ class PositionArmDriver:
         self._readings = ArmReadings(self._calls, arm.joints, round(arm.speed_over_ms * NS_PER_MS), clock)
         self._setup: DriverSetup | None = None
         self._silence = Silence(0)
-        self._sent: JointCommand | None = None
-        self._written_ns = 0
+        self._written: WrittenCommand | None = None  # in this activation
         self._stop: WrittenStop | None = None
         self._held = HeldPosture(arm.joints, self._capabilities.longest_lag_s, brakes=not arm.writes_stop)
         self._fault: RobotFault | None = NOT_ACTIVATED
@@ -82,7 +89,7 @@ class PositionArmDriver:
         sent = self._calls.sent
         hang = np.zeros(len(q0)) if sent is None else self._held.hang(setup.joint_names, sent, reading.q)
         self._calls.begin(q0, hang, most, setup.grip_force_n)
-        self._sent, self._fault = None, None
+        self._written, self._fault = None, None
 
     def read(self) -> RobotReading:
         """The newest measurement; DriverError until there is one with speeds."""
@@ -98,8 +105,8 @@ class PositionArmDriver:
         if self._fault is not None:
             raise DriverError("activate the arm before it is commanded")
         self._calls.write(command)
-        self._sent, self._written_ns = command, self._clock.now_ns()
-        self._held.sent(command.motion, self._written_ns)
+        self._written = WrittenCommand(command, self._clock.now_ns())
+        self._held.sent(command.motion, self._written.t_ns)
         return command
 
     def stop(self) -> None:
@@ -125,26 +132,27 @@ class PositionArmDriver:
 
     def _watch(self, setup: DriverSetup, now_ns: int) -> None:
         """Stop an arm that nobody commands any more."""
-        silent_ns, limit_ns = self._silence.of(self._written_ns, now_ns), setup.command_timeout_ns
-        if self._fault is None and self._sent is not None and silent_ns > limit_ns:
+        written, limit_ns = self._written, setup.command_timeout_ns
+        silent_ns = self._silence.of(0 if written is None else written.t_ns, now_ns)
+        if self._fault is None and written is not None and silent_ns > limit_ns:
             self._begin_stop(setup, command_timeout(silent_ns, limit_ns))
 
     def _begin_stop(self, setup: DriverSetup, why: RobotFault) -> None:
-        sent, was_active = self._sent, self._fault is None
+        written, was_active = self._written, self._fault is None
         self._fault = self._fault or why
         self._calls.withdraw_grip()
-        if was_active and sent is not None:
-            self._held.stopped(sent.motion, setup.limits, self._clock.now_ns())
-        if self._arm.writes_stop and was_active and sent is not None:
-            lag_s = self._capabilities.longest_lag_s
-            self._stop = WrittenStop(sent.motion, setup.limits, self._written_ns, self._period_ns(setup), lag_s)
+        if was_active and written is not None:
+            self._held.stopped(written.command.motion, setup.limits, self._clock.now_ns())
+        if self._arm.writes_stop and was_active and written is not None:
+            motion, lag_s = written.command.motion, self._capabilities.longest_lag_s
+            self._stop = WrittenStop(motion, setup.limits, written.t_ns, self._period_ns(setup), lag_s)
         else:
             self._calls.stop()
 
     def _write_stop(self, now_ns: int) -> None:
         """Write the stop that is under way; where that fails, or is at its end, the arm stops by its own means."""
-        stop, sent = self._stop, self._sent
-        if stop is None or sent is None:
+        stop, written = self._stop, self._written
+        if stop is None or written is None:
             return
         if stop.ended(now_ns):
             self._stop = None
@@ -154,7 +162,7 @@ class PositionArmDriver:
         if q is None:
             return
         try:
-            self._calls.write(replace(sent, q=q, gripper=GripperCommand.KEEP))
+            self._calls.write(replace(written.command, q=q, gripper=GripperCommand.KEEP))
         except BaseException:
             self._stop = None
             self._calls.stop()

@@ -15,7 +15,7 @@ from remote_site.drivers.supervisor.orders import CommandWatchdog, DriverOrder, 
 from remote_site.drivers.supervisor.reading_check import ReadingCheck
 from remote_site.drivers.supervisor.state import ACTIVE, DRIVEN, INACTIVE, SupervisorState
 from remote_site.drivers.supervisor.watched_driver import CallMark, WatchedDriver
-from remote_site.drivers.supervisor.writer import PacedWriter
+from remote_site.drivers.supervisor.writer import ObeyedCommands, PacedWriter
 from remote_site.kinematics.joints import JointMotion
 
 APART_RAD = 0.05
@@ -38,7 +38,6 @@ class DriverSupervisor:
         self._watchdog, self._following = CommandWatchdog(setup), FollowingCheck(capabilities, setup.joint_names)
         self._writer = PacedWriter(self._driver, capabilities, setup)
         self.commanded = CommandedMotion(self._writer, setup)
-        self.obeyed = self._writer.obeyed
         self.grip = grip
         self.state = SupervisorState.IDLE
         self.fault: RobotFault | None = NOT_ACTIVATED
@@ -91,6 +90,11 @@ class DriverSupervisor:
         A stop comes from the command that it began with.
         """
         return self._writer.written
+
+    @property
+    def obeyed(self) -> ObeyedCommands:
+        """The commands that the robot has said to obey."""
+        return self._writer.obeyed
 
     @property
     def settled(self) -> bool:
