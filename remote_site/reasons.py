@@ -151,8 +151,8 @@ class Code(StrEnum):
     # the target
     OUT_OF_REACH = (
         "out_of_reach",
-        "the target is out of reach: its wrist is {distance_mm:.0f} mm from the shoulder, "
-        "where {least_mm:.0f} to {most_mm:.0f} mm can be reached",
+        "the target is out of reach: {distance_mm:.0f} mm from the robot's shoulder to its wrist, "
+        "which reaches {least_mm:.0f} to {most_mm:.0f} mm",
     )
     IK_LIMIT = (
         "ik_limit",

@@ -213,9 +213,9 @@ def test_a_click_enlarges_a_view_and_makes_it_small_again(told: Told) -> None:
 @pytest.mark.parametrize(
     ("holder", "asked_by", "words"),
     [
-        ("ben", None, "Ask ben (site 9) for it"),
+        ("ben", None, "Ask ben for it"),
         ("ben", OPERATOR, "Ask again"),
-        (OPERATOR, "ben", "Hand over to ben (site 3fffffffffffffff)"),
+        (OPERATOR, "ben", "Hand over to ben"),
     ],
 )
 def test_the_lease_says_whose_it_is_and_what_can_be_done(told: Told, holder: str, asked_by: str, words: str) -> None:

@@ -22,6 +22,13 @@ test("a picture is live until it is older than 300 ms", () => {
   assert.deepEqual(marked(at(1000), LIVE, 4200, false), ["old", "3.2 s old", true, true]);
 });
 
+test("pictures that come late are told from pictures that come no more", () => {
+  const words = (paintedMs, nowMs) => judge({ ...at(1000), ageMs: paintedMs }, LIVE, nowMs, false).words;
+  assert.equal(words(480, 1560), "pictures come late");
+  assert.equal(words(480, 1800), "no newer picture has come");
+  assert.equal(words(60, 1320), "no newer picture has come"); // it came in time, and nothing since
+});
+
 test("what the clocks do not know counts as age", () => {
   assert.deepEqual(marked(at(1000, 100), LIVE, 1200, false), ["live", "live", false, false]);
   assert.deepEqual(marked(at(1000, 101), LIVE, 1200, false), ["old", "200 ms old", true, true]);

@@ -20,9 +20,25 @@ export function drawBack(context, project, tool, wanted, name) {
   const at = project(tool);
   if (at === null) return;
   const back = hasWayBack(name) ? wayBack(tool, wanted) : null;
-  const tip = back === null ? null : project(tool.map((v, axis) => v + LONG_M * back[axis]));
-  if (tip !== null) drawArrow(context, at, tip);
-  drawWords(context, tip ?? at, tip === null ? name : "back");
+  const end = back === null ? null : project(tool.map((v, axis) => v + LONG_M * back[axis]));
+  if (end === null) return drawWords(context, at, name, false);
+  const tip = inPicture(at, end, context.canvas, 0.5 * HEAD * letter());
+  drawArrow(context, at, tip);
+  drawWords(context, tip, "back", tip[0] < at[0]); // beside the tip, away from the tool's marks
+}
+
+/**
+ * The point nearest to `to`, on the way there from `from`, that is `margin` within the canvas: an arrow whose head is not seen is a line.
+ * @type {(from: number[], to: number[], canvas: { clientWidth: number, clientHeight: number }, margin: number) => number[]}
+ */
+export function inPicture(from, to, { clientWidth, clientHeight }, margin) {
+  const fractions = [clientWidth, clientHeight].map((size, axis) => {
+    const way = to[axis] - from[axis];
+    const room = (way > 0 ? size - margin : margin) - from[axis];
+    return way === 0 ? 1 : Math.max(0, room / way);
+  });
+  const fraction = Math.min(1, ...fractions);
+  return from.map((start, axis) => start + fraction * (to[axis] - start));
 }
 
 /** @type {(context: CanvasRenderingContext2D, from: number[], to: number[]) => void} */
@@ -45,19 +61,21 @@ function drawArrow(context, from, to) {
   }
 }
 
-/** @type {(context: CanvasRenderingContext2D, at: number[], words: string) => void} */
-function drawWords(context, [x, y], words) {
+/** @type {(context: CanvasRenderingContext2D, at: number[], words: string, toLeft: boolean) => void} */
+function drawWords(context, [x, y], words, toLeft) {
   const em = letter();
   context.textAlign = "left";
   context.textBaseline = "alphabetic";
   context.font = `600 ${em}px "DejaVu Sans", system-ui, sans-serif`;
   const { width } = context.measureText(words);
-  const isRight = x + width + 1.7 * em > context.canvas.clientWidth;
-  const left = Math.max(0.5 * em, isRight ? x - width - 1.4 * em : x + 0.85 * em);
+  const [toTheLeft, toTheRight] = [x - width - 1.4 * em, x + 0.85 * em];
+  const isLeft = toLeft ? toTheLeft >= 0.5 * em : toTheRight + width + 0.85 * em > context.canvas.clientWidth;
+  const left = Math.max(0.5 * em, isLeft ? toTheLeft : toTheRight);
+  const baseline = Math.max(y - 0.5 * em, 1.1 * em); // within the picture, at its upper edge too
   context.fillStyle = "#000000c0";
   context.beginPath();
-  context.roundRect(left - 0.35 * em, y - 1.57 * em, width + 0.7 * em, 1.43 * em, 4);
+  context.roundRect(left - 0.35 * em, baseline - 1.07 * em, width + 0.7 * em, 1.43 * em, 4);
   context.fill();
   context.fillStyle = "#ffd479";
-  context.fillText(words, left, y - 0.5 * em);
+  context.fillText(words, left, baseline);
 }

@@ -31,6 +31,8 @@ const RECORDED = {
 // A tool further than this from its target does not do what the hand does; at full speed it lags by less.
 const BEHIND_M = 0.06;
 const BEHIND_DEG = 20;
+const DISENGAGED = /^disengaged, /;
+const ENGAGE_AGAIN = /; engage again to continue$/;
 
 /** The words for what is missing: a page that shows a recording has others.
  * @type {(isReplay: boolean) => Said} */
@@ -50,7 +52,7 @@ export function conditionOf(situation, whose, said) {
   if (robot.silent) return silent(robot, said);
   if (robot.state === "fault") return halted("fault", robot, situation, whose);
   if (robot.readiness.code === "stopped") return halted("stopped", robot, situation, whose);
-  if (robot.lease !== null && isAnothers(robot.lease, operator)) return another(robot, robot.lease);
+  if (robot.lease !== null && isAnothers(robot.lease, operator)) return another(robot, robot.lease, operator);
   return { ...session(robot), sentence: sentenceOf(robot, situation) };
 }
 
@@ -59,6 +61,10 @@ export function conditionOf(situation, whose, said) {
 export function isAnothers(lease, operator) {
   return lease !== null && !lease.ours && (lease.holder !== operator || lease.local_known);
 }
+
+/** Who holds the lease; of two sites under one name, which.
+ * @type {(lease: Lease, operator: string) => string} */
+export const holderWords = ({ holder, words }, operator) => (holder === operator ? words : holder);
 
 /** @type {(name: string, robot: Robot, situation: Situation, whose: Whose) => Condition} */
 function halted(name, robot, { stopper }, whose) {
@@ -72,10 +78,11 @@ function silent(robot, said) {
   return { name: "silent", tone: "fault", word: "silent", second: said.unheard, sentence: said.silent(ageWords(robot.heard_ms)) };
 }
 
-/** @type {(robot: Robot, lease: Lease) => Condition} */
-function another(robot, { holder, words }) {
-  const doing = robot.state === "engaged" ? `the arm follows the hand of ${words}` : `the arm rests, and is ${words}'s to move`;
-  return { name: "other", tone: "other", word: `${holder} operates`, sentence: `${doing}; your hand moves nothing` };
+/** @type {(robot: Robot, lease: Lease, operator: string) => Condition} */
+function another(robot, lease, operator) {
+  const who = holderWords(lease, operator);
+  const doing = robot.state === "engaged" ? `the arm follows the hand of ${who}` : `the arm rests, and is ${who}'s to move`;
+  return { name: "other", tone: "other", word: `${lease.holder} operates`, sentence: `${doing}; your hand moves nothing` };
 }
 
 /** @type {(robot: Robot) => Omit<Condition, "sentence">} */
@@ -109,8 +116,15 @@ function lockWords(settings) {
  * @type {(robot: Robot, situation: Situation) => string} */
 function sentenceOf(robot, { settings, unanswered, clock }) {
   const before = unanswered === null ? [] : [`the remote site has started again, and knows nothing of this any more: ${unanswered}`];
-  const missing = robot.state === "disengaged" && robot.readiness.reason !== robot.reason ? [robot.readiness.reason] : [];
   const behind = limitOf(robot.code) === null ? behindWords(robot) : ""; // a limit has a figure of its own
   const following = robot.state === "engaged" ? [behind, lockWords(settings)] : [];
-  return [...before, robot.reason, ...following, ...missing, handTrouble(robot, clock)].filter(Boolean).join(" · ");
+  const own = robot.state === "disengaged" ? disengagedReasons(robot) : [robot.reason];
+  return [...before, ...own, ...following, handTrouble(robot, clock)].filter(Boolean).join(" · ");
+}
+
+/** Why it was disengaged, and what is missing before it can be engaged; the word and the next step say the rest.
+ * @type {(robot: Robot) => string[]} */
+function disengagedReasons({ code, reason, readiness }) {
+  if (code === "not_engaged" || readiness.reason === reason) return [readiness.reason];
+  return [code === "latched" ? reason.replace(DISENGAGED, "").replace(ENGAGE_AGAIN, "") : reason, readiness.reason];
 }

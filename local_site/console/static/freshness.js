@@ -3,13 +3,15 @@
 
 /** @typedef {{ mark: string, title: string, words: string, ageMs: number | null, isOld: boolean, isLate: boolean }} Judged */
 /** @typedef {Pick<PictureHeader, "status" | "reason">} Status */
+/** @typedef {{ captureMs: number | null, unsureMs: number, ageMs?: number | null }} Newest */
 
 export const OLD_MS = 300;
 
 /**
- * Mark, words and age of a view, and whether it is old or late now: its newest picture's exposure, its camera's last reported status, and the time, in ms.
+ * Mark, words and age of a view, and whether it is old or late now: its newest picture's exposure, and `ageMs` when it was painted, its camera's
+ * last reported status, and the time, in ms.
  * Where it `wasLate` a moment ago it still counts as old: a mark that comes and goes is not read.
- * @type {(newest: { captureMs: number | null, unsureMs: number } | null, status: Status | null, nowMs: number | null, wasLate: boolean) => Judged}
+ * @type {(newest: Newest | null, status: Status | null, nowMs: number | null, wasLate: boolean) => Judged}
  */
 export function judge(newest, status, nowMs, wasLate) {
   if (newest === null || status === null) {
@@ -24,9 +26,16 @@ export function judge(newest, status, nowMs, wasLate) {
     const title = isLate ? `${status.status}, ${ageWords(ageMs)} old` : status.status;
     return { mark: status.status, title, words: status.reason, ageMs, isOld, isLate };
   }
-  if (isLate) return { mark: "old", title: `${ageWords(ageMs)} old`, words: "no newer picture has come", ageMs, isOld, isLate };
+  if (isLate) return { mark: "old", title: `${ageWords(ageMs)} old`, words: lateWords(newest, ageMs), ageMs, isOld, isLate };
   if (isOld) return { mark: "old", title: "late", words: "pictures come late now and then", ageMs, isOld, isLate };
   return { mark: "live", title: "live", words: "", ageMs, isOld, isLate };
+}
+
+/** Whether pictures come, but late, or none comes any more.
+ * @type {(newest: Newest, ageMs: number) => string} */
+function lateWords({ unsureMs, ageMs: paintedMs = null }, ageMs) {
+  const cameLate = paintedMs !== null && paintedMs + unsureMs > OLD_MS && ageMs - paintedMs < OLD_MS;
+  return cameLate ? "pictures come late" : "no newer picture has come";
 }
 
 /** An age as a person reads it.

@@ -1,9 +1,10 @@
 // The one thing to do next, and what else is possible: for each button next, minor or absent; pure.
 // A button that has to wait keeps its place: one that comes and goes would be missed, or another be hit.
-/** @import { Hand, Lease, Robot, Seat, Situation } from "../model/messages.d.ts" */
+/** @import { Hand, Robot, Seat, Situation } from "../model/messages.d.ts" */
 /** @import { Condition } from "./condition.js" */
 /** @import { Halt } from "./halt_words.js" */
 /** @import { LeaseAct } from "./operators.js" */
+import { holderWords } from "./condition.js";
 import { EMERGENCY } from "./emergency.js";
 import { hasWayBack } from "./limits.js";
 
@@ -29,6 +30,11 @@ const OF_THE_HAND = ["lost", "initialising", "no_wrist", "uncertain", "no_covari
 const READY = { engage: "Press Engage: the arm then follows your hand.", hold: "Hold to let the arm follow your hand." };
 const LOCAL_SILENT = "The local site is silent. On this host, type: farhand local";
 const MOST_CAUSE = 110; // letters: the bar has the whole sentence
+const CURE = /; ((?:check|correct|end|find|give|read|start) [^;]*)$/;
+const ONE_NAME = /^\S+$/; // neither several, nor another page, nor the robot's own emergency stop
+/** What makes an arm ready, where the reason does not say it.
+ * @type {Record<string, string>} */
+const CURES = { link_too_slow: "Take a quicker way: a cable instead of Wi-Fi, no VPN." };
 /** @type {(words: string) => Step} */
 const nothing = (words) => ({ next: null, minor: [], words });
 
@@ -69,7 +75,7 @@ function watching({ halt }, seat, mayOperate) {
 /** @type {(condition: Condition, robot: Robot, situation: Situation, facts: Facts) => Step} */
 function operating(condition, robot, { hand, seat }, { operator, held, act, down, stale, back }) {
   if (condition.halt !== undefined) return reset(condition.halt, robot, hand, operator);
-  if (condition.name === "other" && robot.lease !== null) return { next: "lease-button", minor: [], words: askWords(robot.lease, act) };
+  if (condition.name === "other" && robot.lease !== null) return { next: "lease-button", minor: [], words: askWords(holderWords(robot.lease, operator), act) };
   if (act?.action === "take" && isSilent(hand)) return nothing(LOCAL_SILENT);
   if (act?.action === "take") return { next: "lease-button", minor: [], words: "No operator has the robot: take it." };
   if (seat.late) return { next: held ? "hold" : null, minor: ["disengage"], words: "This page's reports come late: close other programs here, then let go and begin again." };
@@ -89,23 +95,28 @@ const isSilent = (hand) => hand === null || hand.silent;
 function reset(halt, robot, hand, operator) {
   const what = haltedWords(halt);
   if (robot.lease?.holder === operator) { // at whichever local site
-    return { next: "reset", minor: [], words: `${what} ${beforeReset(halt)} press Reset: that alone moves nothing.` };
+    return { next: "reset", minor: [], words: `${what} ${beforeReset(halt, operator)} press Reset: that alone moves nothing.` };
   }
   if (isSilent(hand)) return nothing(`${what} ${LOCAL_SILENT}`);
-  const words = robot.lease === null ? "Take the robot, then reset it." : `Only ${robot.lease.words} can reset it: ask for the robot to do it yourself.`;
+  const words = robot.lease === null ? "Take the robot, then reset it." : `Only ${holderWords(robot.lease, operator)} can reset it: ask for the robot to do it yourself.`;
   return { next: "lease-button", minor: [], words: `${what} ${words}` };
 }
 
-/** @type {(halt: Halt) => string} */
-function beforeReset({ who, cause }) {
-  if (cause) return "Ask somebody at the robot to put it right, then";
-  return who === "you" ? "When it is safe to go on," : "Ask who stopped it whether it is safe to go on, then";
+/** @type {(halt: Halt, operator: string) => string} */
+function beforeReset({ who, cause }, operator) {
+  if (cause) return `Ask somebody at the robot to ${cureOf(cause) || "put it right"}, then`;
+  if (who === "you") return "When it is safe to go on,";
+  return `Ask ${ONE_NAME.test(who) && who !== operator ? who : "who stopped it"} whether it is safe to go on, then`;
 }
+
+/** What the sentence of a fault tells people to do, which is its end; empty where it tells nothing.
+ * @type {(cause: string) => string} */
+const cureOf = (cause) => CURE.exec(cause)?.[1] ?? "";
 
 /** @type {(halt: Halt) => string} */
 function haltedWords({ who, cause }) {
   const stopped = who === "you" ? "You stopped the arm." : who && `Stopped by ${who}.`;
-  return [stopped, cause && `Fault: ${ended(cause)}`].filter(Boolean).join(" ");
+  return [stopped, cause && `Fault: ${ended(cause.replace(CURE, ""))}`].filter(Boolean).join(" ");
 }
 
 /** @type {(sentence: string) => string} */
@@ -114,10 +125,10 @@ function ended(sentence) {
   return /[.?!]$/.test(sentence) ? sentence : `${sentence}.`;
 }
 
-/** @type {(lease: Lease, act: LeaseAct | null) => string} */
-function askWords({ words }, act) {
-  if (act?.isAsked) return `${words} has been asked: wait until the robot is handed over.`;
-  return `To operate yourself, ask ${words} for the robot.`;
+/** @type {(holder: string, act: LeaseAct | null) => string} */
+function askWords(holder, act) {
+  if (act?.isAsked) return `${holder} has been asked: wait until the robot is handed over.`;
+  return `To operate yourself, ask ${holder} for the robot.`;
 }
 
 /** @type {(robot: Robot) => string} */
@@ -146,7 +157,7 @@ function backWords(limit, back) {
 function disengaged({ readiness, code }, { held, down, stale }, minor) {
   if (readiness.code === "robot_not_ready") return { next: "reset", minor, words: "The robot takes no commands: reset it." };
   if (readiness.code in CLUTCH) return { next: "clutch", minor, words: BEFORE_CLUTCH[readiness.code] };
-  if (!readiness.ready) return { next: held ? "hold" : "engage", waits: true, minor, words: `Not ready: ${readiness.reason}` };
+  if (!readiness.ready) return { next: held ? "hold" : "engage", waits: true, minor, words: `Not ready: ${ended(readiness.reason)} ${CURES[readiness.code] ?? ""}`.trim() };
   const first = held && (down || code === "let_go_first") ? "Let go first. " : "";
   const words = stale ? `Wait for live pictures, or ${held ? "hold" : "engage"} only if you see the arm itself.` : READY[held ? "hold" : "engage"];
   return { next: held ? "hold" : "engage", minor, words: `${first}${words}` };

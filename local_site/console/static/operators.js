@@ -1,6 +1,6 @@
 // Who operates: in words, and what can be done about it; pure.
 /** @import { Lease, Robot, Seat } from "../model/messages.d.ts" */
-import { isAnothers } from "./condition.js";
+import { holderWords, isAnothers } from "./condition.js";
 
 /** @typedef {{ action: "take" | "give", words: string, isAsked?: boolean, to?: { name: string, session: string } }} LeaseAct */
 
@@ -23,10 +23,10 @@ export function leaseAct(lease, operator) {
   if (lease === null) return { action: "take", words: "Take the robot" };
   const asker = lease.asked_by;
   if (lease.ours) {
-    return asker === null ? null : { action: "give", to: { name: asker.name, session: asker.session }, words: `Hand over to ${asker.words}` };
+    return asker === null ? null : { action: "give", to: { name: asker.name, session: asker.session }, words: `Hand over to ${asker.name === operator ? asker.words : asker.name}` };
   }
   const isAsked = asker?.name === operator;
-  return { action: "take", isAsked, words: isAsked ? "Ask again" : `Ask ${lease.words} for it` };
+  return { action: "take", isAsked, words: isAsked ? "Ask again" : `Ask ${holderWords(lease, operator)} for it` };
 }
 
 /** Who holds the lease, and who asks for it.

@@ -1,10 +1,12 @@
 """The next step, the bar and the line about the operator as somebody reads them who has never seen the page."""
 
+from functools import partial
+
 import pytest
 from msgspec.structs import replace
 
 from common.clock import NS_PER_S
-from common.messages.robot import Asker, LeaseState, Pose, SessionState
+from common.messages.robot import Asker, LeaseState, Pose, Readiness, SessionState
 from lab.measure.page import scene
 from local_site.console.model.seat import Visitor
 from remote_site.session.fault_latch import EMERGENCY_STOP
@@ -35,7 +37,7 @@ def test_who_operates_is_said_once_and_rightly() -> None:
         shown = said(other)
         assert shown.word == "berta operates"
         assert shown.seat == ""
-        assert shown.step == "To operate yourself, ask berta (site 63) for the robot."
+        assert shown.step == "To operate yourself, ask berta for the robot."
         assert said(other, page=2).seat == "you watch; page 1 (127.0.0.1) has the controls here"
     free = said(replace(READY(), lease=None))
     assert (free.seat, free.next) == ("", "lease-button")
@@ -46,7 +48,7 @@ def test_who_has_asked_already_is_told_to_wait() -> None:
     state = anothers(READY())
     assert state.lease is not None
     asked = replace(state, lease=replace(state.lease, asked_by=Asker(OPERATOR, 7)))
-    assert said(asked).step == "berta (site 63) has been asked: wait until the robot is handed over."
+    assert said(asked).step == "berta has been asked: wait until the robot is handed over."
 
 
 @pytest.mark.parametrize(
@@ -64,7 +66,7 @@ def test_a_stop_says_who_it_was_and_that_reset_is_next(names: tuple[str, ...], s
     shown = said(halted(stopped(*names)), stopper=stopper)
     assert shown.sentence == f"stopped by {who}"
     assert shown.step.startswith("You stopped the arm." if who == "you" else f"Stopped by {who}.")
-    assert ("Ask who stopped it whether it is safe" in shown.step) == (who != "you")
+    assert ("whether it is safe to go on" in shown.step) == (who != "you")
     assert "press Reset" in shown.step
     assert shown.next == "reset"
 
@@ -97,11 +99,43 @@ def test_a_long_cause_leaves_room_for_what_to_do() -> None:
     assert shown.step.endswith("press Reset: that alone moves nothing.")
 
 
+def test_what_a_fault_tells_people_to_do_is_said_whole_however_long_its_cause() -> None:
+    cause = f"by its reading {'joint_3 and ' * 20}is huge; check the robot's sensors and the driver"
+    shown = said(halted(stopped(cause=cause), SessionState.FAULT, "fault"))
+    assert shown.step.startswith("Fault: by its reading joint_3")
+    assert "… Ask somebody at the robot to check the robot's sensors and the driver, then press Reset:" in shown.step
+    ended = said(halted(stopped(cause="joint_1 jumped; the arm has braked"), SessionState.FAULT, "fault"))
+    assert "joint_1 jumped; the arm has braked. Ask somebody at the robot to put it right" in ended.step
+
+
+@pytest.mark.parametrize(
+    ("names", "asked"),
+    [
+        (("berta",), "berta"),
+        (("berta", "carl"), "who stopped it"),
+        ((EMERGENCY_STOP,), "who stopped it"),
+        ((OPERATOR,), "who stopped it"),  # as by 'farhand stop' under the own name
+    ],
+)
+def test_who_stopped_the_arm_is_asked_by_name_where_it_is_one_person(names: tuple[str, ...], asked: str) -> None:
+    assert f"Ask {asked} whether it is safe to go on, then press Reset" in said(halted(stopped(*names))).step
+
+
+def test_why_it_is_disengaged_is_said_once() -> None:
+    disengaged = partial(replace, READY(), code="not_engaged", reason="not engaged yet")
+    assert said(disengaged()).sentence == "ready"  # as the readiness is worded
+    slow = Readiness(False, "link_too_slow", "the link takes 431 ms; at most 345 can be operated", False)
+    late = "disengaged, newest hand sample is 507 ms old (limit 500 ms); engage again to continue"
+    shown = said(disengaged(code="latched", reason=late, readiness=slow))
+    assert shown.sentence == f"newest hand sample is 507 ms old (limit 500 ms) · {slow.reason}"
+    assert shown.step == f"Not ready: {slow.reason}. Take a quicker way: a cable instead of Wi-Fi, no VPN."
+
+
 def test_only_who_may_reset_is_told_to() -> None:
     stop = halted(stopped("anna"))
     assert said(stop).second == "the arm does not follow"
     holder, nobody, watching = said(anothers(stop)), said(replace(stop, lease=None)), said(stop, page=2)
-    assert holder.step == ("Stopped by anna. Only berta (site 63) can reset it: ask for the robot to do it yourself.")
+    assert holder.step == "Stopped by anna. Only berta can reset it: ask for the robot to do it yourself."
     assert nobody.step == "Stopped by anna. Take the robot, then reset it."
     assert (holder.next, nobody.next, watching.next) == ("lease-button", "lease-button", None)
     assert watching.step == "Stopped by anna. Only the page that operates can reset it."

@@ -52,7 +52,7 @@ DRAWN = """
   globalThis.addEventListener = () => {};
   const { drawBack } = await load("back_arrow");
   const ends = [], words = [];
-  const context = { canvas: { clientWidth: 640 }, measureText: () => ({ width: 20 }) };
+  const context = { canvas: { clientWidth: 640, clientHeight: 480 }, measureText: () => ({ width: 20 }) };
   context.lineTo = (...at) => ends.push(at);
   for (const name of ["moveTo", "beginPath", "stroke", "roundRect", "fill"]) context[name] = () => {};
   context.fillText = (text) => words.push(text);
@@ -66,6 +66,13 @@ def test_the_arrow_points_where_the_words_send_the_hand(limit: str) -> None:
     tip, words = run(DRAWN, (0.0, 0.0, 0.05), limit)
     assert tip == [320, 330]  # down, 90 mm
     assert words == ["back"]
+
+
+@pytest.mark.parametrize(("tool", "tip"), [((0.0, 0.0, -0.2), (320.0, 473.5)), ((0.0, 0.0, -0.6), (320.0, 840.0))])
+def test_the_head_of_the_arrow_stays_in_the_picture(tool: tuple[float, ...], tip: tuple[float, ...]) -> None:
+    """With half a head beside it; it is drawn from the tool, wherever that is."""
+    wanted = (tool[0], tool[1], tool[2] + 0.05)
+    assert run(DRAWN.replace("[0, 0, 0]", "v[2]"), wanted, "reach", tool)[0] == pytest.approx(tip, abs=0.02)
 
 
 @pytest.mark.parametrize(("wanted", "limit"), [((0.0, 0.0, 0.05), "speed limit"), (None, "reach")])
