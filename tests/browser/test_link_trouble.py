@@ -44,7 +44,7 @@ def test_a_links_trouble_is_told_with_its_figures(apart: Told) -> None:
     video = VideoLink(carries_mbit_s=1.8, needs_mbit_s=31.0, reason=NARROW)
     told.state = partial(scene.state, SessionState.HOLDING, "stale", STALE, hand_link=LINK, video_link=video)
     told.until("the reason", lambda: told.page.words("#reason") == f"{STALE} · {OLD}")
-    trouble = "smaller or fewer pictures: the link is too narrow (1.8 of 31 Mbit/s)"
+    trouble = "pictures are sent smaller or fewer: the link is too narrow (1.8 of 31 Mbit/s)"
     told.until("the pictures' own", lambda: told.page.page.inner_text("[data-name=front_high] .trouble") == trouble)
     assert [told.page.words(f"[data-name={name}] .trouble") for name in scene.CAMERAS[1:]] == ["", "", ""]
     limit = "obeyed up to 100 ms, at 100 % of the speed"
@@ -66,7 +66,7 @@ def test_one_machine_that_has_too_much_to_do_is_not_called_a_narrow_link(told: T
     told.state = partial(scene.state, SessionState.HOLDING, "stale", STALE, hand_link=LINK, video_link=video)
     busy = "hand samples are 310 ms old (limit 100 ms): this machine has too much to do"
     told.until("the reason", lambda: told.page.words("#reason") == f"{STALE} · {busy}")
-    trouble = "smaller or fewer pictures: this machine has too much to do (0.1 of 15 Mbit/s)"
+    trouble = "pictures are sent smaller or fewer: this machine has too much to do (0.1 of 15 Mbit/s)"
     told.until("the pictures' own", lambda: told.page.page.inner_text("[data-name=front_high] .trouble") == trouble)
     told.page.page.keyboard.press("3")
     told.until("on the chosen one", lambda: told.page.words("[data-name=side] .trouble") == trouble)
@@ -76,7 +76,7 @@ def test_one_machine_that_has_too_much_to_do_is_not_called_a_narrow_link(told: T
 @pytest.mark.parametrize(
     ("code", "words"),
     [
-        (VideoTrouble.SLOW_PAGE, "smaller or fewer pictures: this page draws too slowly (5.0 of 15 Mbit/s)"),
+        (VideoTrouble.SLOW_PAGE, "pictures are sent smaller or fewer: this page draws too slowly (5.0 of 15 Mbit/s)"),
         (VideoTrouble.BUSY_HOST, "late pictures: a machine has too much to do"),
     ],
 )

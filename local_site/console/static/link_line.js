@@ -47,7 +47,7 @@ export function pictureTrouble({ video_link: video }, clock) {
   const isSlowPage = video.code === "slow_page";
   const why = !isSlowPage && isOneMachine(clock) ? "this machine has too much to do" : WHY[video.code];
   if (video.code === "busy_host") return `late pictures: ${why}`;
-  return `smaller or fewer pictures: ${why} (${video.carries_mbit_s.toFixed(1)} of ${video.needs_mbit_s.toFixed(0)} Mbit/s)`;
+  return `pictures are sent smaller or fewer: ${why} (${video.carries_mbit_s.toFixed(1)} of ${video.needs_mbit_s.toFixed(0)} Mbit/s)`;
 }
 
 /** @type {(hand: HandLink) => string} */

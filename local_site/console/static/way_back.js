@@ -6,7 +6,7 @@ const LEAST_AWAY_M = 0.004; // a limit of the orientation alone has no direction
 const MAIN_SHARE = 0.5; // of the way back along an axis from which on it is named,
 const NAMED_SHARE = 0.35; // and below which it is no longer: words that come and go are not read
 // Along x, y, z of the base and against them, for the operator: forward, left and up are the robot's own.
-const NAMES = [["away from you", "towards you"], ["to the left", "to the right"], ["up", "down"]];
+const NAMES = [["away from you", "towards you"], ["to your left", "to your right"], ["up", "down"]];
 
 /** The unit vector (base) from where the hand wants the tool to the tool; null where there is no direction, or it is not known.
  * @type {(tool: Vector, wanted: Vector | null) => Vector | null} */
@@ -21,7 +21,7 @@ export class WayBack {
   /** @type {Set<number>} */
   #named = new Set();
 
-  /** "down and to the left", of the tools as the console tells them; empty where no direction is known.
+  /** "down and to your left", of the tools as the console tells them; empty where no direction is known.
    * @type {(tools: Pick<ToolPoses, "measured" | "wanted">) => string} */
   words({ measured, wanted }) {
     const back = measured === null ? null : wayBack(measured.position, wanted);

@@ -148,7 +148,7 @@ def test_a_link_that_takes_too_long_is_refused_with_both_figures() -> None:
     refusal = link.limit.too_slow
     assert refusal is not None
     assert refusal.code is Code.LINK_TOO_SLOW
-    assert refusal.sentence == "the link takes 420 ms; at most 367 can be operated"
+    assert refusal.sentence == "the link takes 420 ms, which is too slow: at most 367 ms can be operated"
     assert link.bring([360.0] * 30).limit.too_slow is None
 
 

@@ -35,7 +35,7 @@ def test_a_quick_link_needs_nothing() -> None:
     [
         (160.0, "ok", '"auto" will choose about 250 ms, at 40% of full speed'),
         (320.0, "ok", "about 400 ms, at 25%"),
-        (340.0, "error", "up to 417 ms old; at most 400 can be operated"),
+        (340.0, "error", "up to 417 ms old; at most 400 ms can be operated"),
     ],
 )
 def test_the_age_limit_follows_from_the_link(round_trip_ms: float, level: str, words: str) -> None:

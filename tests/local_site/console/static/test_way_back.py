@@ -20,12 +20,12 @@ NOBODY = """
     [
         ((0.05, 0.0, 0.0), "towards you"),
         ((-0.05, 0.0, 0.0), "away from you"),
-        ((0.0, 0.05, 0.01), "to the right"),  # the operator's left is the robot's, +y
-        ((0.0, -0.05, 0.0), "to the left"),
+        ((0.0, 0.05, 0.01), "to your right"),  # the operator's left is the robot's, +y
+        ((0.0, -0.05, 0.0), "to your left"),
         ((0.01, 0.0, 0.05), "down"),
         ((0.0, 0.0, -0.05), "up"),
         ((0.03, 0.0, 0.05), "towards you and down"),
-        ((0.03, 0.03, -0.03), "towards you and to the right and up"),
+        ((0.03, 0.03, -0.03), "towards you and to your right and up"),
         ((0.001, 0.0, 0.0), ""),
     ],
 )
