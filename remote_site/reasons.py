@@ -30,7 +30,10 @@ class Code(StrEnum):
     DUPLICATE = "duplicate", "sample {seq} arrived twice"
     OLD = "old", "sample {seq} is older than the newest, {newest}"
     STALE = "stale", "newest hand sample is {age_ms:.0f} ms old (limit {limit_ms:.0f} ms)"
-    LINK_TOO_SLOW = "link_too_slow", "the link takes {age_ms:.0f} ms, which is too slow: at most {most_ms:.0f} ms can be operated"
+    LINK_TOO_SLOW = (
+        "link_too_slow",
+        "the link takes {age_ms:.0f} ms, which is too slow: at most {most_ms:.0f} ms can be operated",
+    )
     FUTURE = "future", "the sample was captured {ahead_ms:.0f} ms in the future: the clocks disagree"
     NOT_FINITE = "not_finite", "the {what} is not finite"
     LOST = "lost", "the hand is lost: {reason}"

@@ -91,7 +91,7 @@ def check_age_limit(link: LinkFigures) -> Finding:
     if needed_ms > MOST_LIMIT_MS:
         return error(
             "age limit",
-            f"{sentence}; at most {MOST_LIMIT_MS:.0f} ms can be operated: the arm will not engage, or hold all the time",
+            f"{sentence}; at most {MOST_LIMIT_MS:.0f} ms can be operated: the arm will not engage, or always hold",
             "a quicker way: cable instead of Wi-Fi, no VPN, a nearer router",
         )
     limit_ms = min(max(LEAST_LIMIT_MS, -(-(needed_ms + SPARE_MS) // STEP_MS) * STEP_MS), MOST_LIMIT_MS)

@@ -21,6 +21,7 @@ BEYOND_RAD = 0.2
 FASTEST = 10.0  # times it, as a speed is read: positions differenced by uneven stamps give several times too much
 OPENING_M = (-0.01, 1.0)  # a zero may be off by some mm; no gripper that can be configured opens half as wide
 FORCE_N = 2000.0  # ten times the largest grip force that can be configured
+CHECK = "check the robot's sensors and the driver"
 
 Field = tuple[str, object, str, bool]  # of a reading: its name, its value, what it has to be, and whether it is
 
@@ -126,8 +127,9 @@ class ReadingCheck:
         k = int(beyond.argmax())
         if beyond[k] <= 0.0:
             return None
-        since = f"{_ms(t_ns - self._newest_ns)} after the last one"
-        return _fault(f"{self._names[k]}, {since}, is", float(q[k]), (float(least[k]), float(most[k])), "rad")
+        jumped = f"{self._names[k]} jumped to {_short(float(q[k]))} rad in {_ms(t_ns - self._newest_ns)}"
+        possible = f"only {float(least[k]):.4g} to {float(most[k]):.4g} can be true"
+        return RobotFault(FaultCode.IMPLAUSIBLE, f"the reading of {jumped}, where {possible}; {CHECK}")
 
     def _mistimed(self, t_ns: int, now_ns: int) -> RobotFault | None:
         age_ns = self._silence.of(min(max(t_ns, 0), now_ns), now_ns)
@@ -147,11 +149,10 @@ def stale(age_ns: int, oldest_ns: int) -> RobotFault:
 
 
 def _fault(what: str, value: float, allowed: tuple[float, float], unit: str) -> RobotFault:
-    check = "check the robot's sensors and the driver"
     if isinstance(value, float | np.floating) and not math.isfinite(value):
-        return RobotFault(FaultCode.NOT_FINITE, f"by its reading {what} not finite; {check}")
+        return RobotFault(FaultCode.NOT_FINITE, f"by its reading {what} not finite; {CHECK}")
     bounds = f"{allowed[0]:.4g} to {allowed[1]:.4g} {unit}"
-    return RobotFault(FaultCode.IMPLAUSIBLE, f"by its reading {what} {_short(value)}, outside {bounds}; {check}")
+    return RobotFault(FaultCode.IMPLAUSIBLE, f"by its reading {what} {_short(value)}, outside {bounds}; {CHECK}")
 
 
 def _bad_stamp(what: str) -> RobotFault:

@@ -124,7 +124,8 @@ def test_who_stopped_the_arm_is_asked_by_name_where_it_is_one_person(names: tupl
 def test_why_it_is_disengaged_is_said_once() -> None:
     disengaged = partial(replace, READY(), code="not_engaged", reason="not engaged yet")
     assert said(disengaged()).sentence == "ready"  # as the readiness is worded
-    slow = Readiness(False, "link_too_slow", "the link takes 431 ms, which is too slow: at most 345 ms can be operated", False)
+    too_slow = "the link takes 431 ms, which is too slow: at most 345 ms can be operated"
+    slow = Readiness(False, "link_too_slow", too_slow, False)
     late = "disengaged, newest hand sample is 507 ms old (limit 500 ms); engage again to continue"
     shown = said(disengaged(code="latched", reason=late, readiness=slow))
     assert shown.sentence == f"newest hand sample is 507 ms old (limit 500 ms) · {slow.reason}"
