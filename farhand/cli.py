@@ -13,6 +13,7 @@ from common.errors import ConfigError, FarhandError, InterruptionError, NotInsta
 from common.process.log import finish_log
 from common.text import escaped
 from farhand.commands.arm import arm_app
+from farhand.commands.bash_words import whole_words
 from farhand.commands.calibrate import calibrate_app
 from farhand.commands.checks import doctor, driver_app, limits, tracker_app
 from farhand.commands.configurations import config_app, setup
@@ -111,7 +112,8 @@ def main() -> None:
     """Run the command line; the exit codes are those of `farhand.exits`."""
     try:
         try:
-            app(prog_name="farhand")  # python -m farhand too: its completion is the same command's
+            with whole_words():
+                app(prog_name="farhand")  # python -m farhand too: its completion is the same command's
         finally:
             finish_log()
     except FarhandError as error:

@@ -5,15 +5,14 @@ import difflib
 import re
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from pathlib import Path
-from types import UnionType
-from typing import Annotated, Any, Generic, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Generic, TypeVar, get_args, get_origin
 
 import msgspec
 
+from common.config.choices import allowed_values, alternatives
 from common.config.replaced_keys import GONE_KEYS, REPLACED_KEYS
 from common.config.type_words import in_plain_words
 from common.errors import ConfigError, ConfigFileError
@@ -214,8 +213,7 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistak
 
 def _cure(expected: Any, value: Any, error: str) -> str:
     """Say what may stand in the place of a value that `error` refuses."""
-    parts = list(_parts(expected))
-    choices = [str(choice) for part in parts for choice in _choices(part)]
+    parts, choices = list(alternatives(expected)), list(map(str, allowed_values(expected)))
     if choices and isinstance(value, str) and (near := difflib.get_close_matches(value, choices, n=1)):
         return f"did you mean {near[0]}?"
     if choices and type(value) not in parts and not (isinstance(value, int) and float in parts):
@@ -223,24 +221,6 @@ def _cure(expected: Any, value: Any, error: str) -> str:
         return f"choose {'one of ' if len(choices) > 1 else ''}{', '.join(choices)}{number}"
     described = [note.description for note in getattr(expected, "__metadata__", ()) if note.description]
     return f"give a {described[0]}" if "regex" in error and described else in_plain_words(error, value, *described[:1])
-
-
-def _choices(part: Any) -> Iterable[Any]:
-    """List the only values that an enum or a Literal allows; none for any other type."""
-    if isinstance(part, type) and issubclass(part, Enum):
-        return [member.value for member in part]
-    return get_args(part) if get_origin(part) is Literal else ()
-
-
-def _parts(expected: Any) -> Iterator[Any]:
-    """A type's alternatives, without what limits them."""
-    if get_origin(expected) is Annotated:
-        yield from _parts(get_args(expected)[0])
-    elif isinstance(expected, UnionType) or get_origin(expected) is Union:
-        for part in get_args(expected):
-            yield from _parts(part)
-    else:
-        yield expected
 
 
 def _table_of(expected: Any) -> type[msgspec.Struct] | None:

@@ -10,7 +10,7 @@ from common.config.loading import load_config
 from common.errors import ConfigError
 from common.process.log import LogFormat
 from common.process.service import StopFlag
-from farhand.commands.completion import setting_keys
+from farhand.commands.completion import setting_words
 
 if TYPE_CHECKING:
     from farhand.router import RouterConfig
@@ -25,7 +25,7 @@ ConfigFile = Annotated[
 ]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", help="Override one key, as table.key=value; repeatable.", autocompletion=setting_keys),
+    typer.Option("--set", help="Override one key, as table.key=value; repeatable.", autocompletion=setting_words),
 ]
 LogLines = Annotated[LogFormat, typer.Option("--log-format", help="text (level=... event=...) or json, on stderr.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print the result as JSON, as docs/json.md describes it.")]
