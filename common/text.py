@@ -1,6 +1,8 @@
 """Text from elsewhere, fit for where it goes: cut, in one line, escaped for a terminal, TOML, XML or a file's name."""
 
 import re
+from collections.abc import Collection
+from difflib import get_close_matches
 
 from common.errors import ConfigError
 
@@ -24,6 +26,12 @@ def escaped(text: str) -> str:
     if text.isprintable():
         return text
     return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
+
+
+def instead_of(name: str, names: Collection[str]) -> str:
+    """The cure for a name that is none of these: the one that it is like, if any, and all of them."""
+    near = get_close_matches(name, names, n=1)
+    return f"{f'did you mean {near[0]}? Else ' if near else ''}choose one of: {', '.join(names)}"
 
 
 def name_mistake(name: str) -> str:

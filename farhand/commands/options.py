@@ -10,6 +10,7 @@ from common.config.loading import load_config
 from common.errors import ConfigError
 from common.process.log import LogFormat
 from common.process.service import StopFlag
+from common.text import instead_of
 from farhand.commands.completion import setting_words
 
 if TYPE_CHECKING:
@@ -58,7 +59,7 @@ def known_tracker(name: str | None) -> str | None:
         from local_site.tracking.registry import tracker_names
 
         if name not in tracker_names():
-            raise typer.BadParameter(f"there is no tracker {name!r}; choose one of {', '.join(tracker_names())}")
+            raise typer.BadParameter(f"there is no tracker {name!r}; {instead_of(name, tracker_names())}")
     return name
 
 

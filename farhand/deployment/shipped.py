@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from common.errors import ConfigError
+from common.text import instead_of
 from farhand.deployment.schemas import SCHEMAS, schema_files
 from farhand.outputs import make_folder, write_result
 
@@ -15,7 +16,7 @@ FOR_UNITS = "the units run /opt/farhand/.venv/bin/farhand with /etc/farhand/NAME
 def read_configuration(name: str) -> str:
     """The text of a shipped configuration; ConfigError, listing the names, when there is none."""
     if name not in NAMES:
-        raise ConfigError(f"there is no configuration {name!r}; choose one of: {', '.join(NAMES)}")
+        raise ConfigError(f"there is no configuration {name!r}; {instead_of(name, NAMES)}")
     return (HERE / "sites" / f"{name}.toml").read_text(encoding="utf-8")
 
 

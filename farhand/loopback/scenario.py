@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from common.errors import ConfigError
+from common.text import instead_of
 from local_site.tracking.registry import Scene, tracker_kind
 from remote_site.drivers.config import C500C, DRIVER_FILES, FRANKA
 from remote_site.kinematics.config import MODELS
@@ -45,7 +46,7 @@ def arm_file(arm: str | None, driver: str | None) -> Path | None:
     if arm is None:
         return DRIVER_FILES.get(driver or "")
     if arm not in ARM_FILES:
-        raise ConfigError(f"there is no arm {arm!r}; choose one of: {', '.join(ARM_FILES)}")
+        raise ConfigError(f"there is no arm {arm!r}; {instead_of(arm, ARM_FILES)}")
     return ARM_FILES[arm]
 
 

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import Progress as ProgressBar
 
 from common.errors import ConfigError, InterruptionError
+from common.text import instead_of
 from farhand.outputs import check_folder, make_folder, write_result
 from farhand.reports.plotting import require_matplotlib
 from farhand.tracking.track_run import prepare_tracker
@@ -55,7 +56,7 @@ def run_experiment(name: str, out: Path, quick: bool, should_stop: Callable[[], 
     matplotlib; InterruptionError when stopped.
     """
     if name not in NAMES and name != ALL:
-        raise ConfigError(f"there is no experiment {name!r}; choose one of: {', '.join(sorted([*NAMES, ALL]))}")
+        raise ConfigError(f"there is no experiment {name!r}; {instead_of(name, sorted([*NAMES, ALL]))}")
     require_matplotlib()
     check_folder("--out", out)
     make_folder("--out", out)

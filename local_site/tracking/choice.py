@@ -5,6 +5,7 @@ from typing import Annotated
 import msgspec
 from msgspec import Meta, field
 
+from common.text import instead_of
 from local_site.calibration.rig import Rig
 from local_site.tracking.config import EyeConfig, LearnedConfig, MarkersConfig, MonocularConfig, SilhouetteConfig
 from local_site.tracking.registry import Option, TrackerHost, tracker_kind, tracker_names
@@ -37,7 +38,7 @@ class TrackingConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
     def __post_init__(self) -> None:
         if self.method not in tracker_names():
-            raise ValueError(f"method {self.method!r} is not allowed: choose one of {', '.join(tracker_names())}")
+            raise ValueError(f"method {self.method!r} is not allowed: {instead_of(self.method, tracker_names())}")
         if self.options and self.own is not None:
             raise ValueError(f"options are for an installed tracker: set {self.method}'s in tracking.{self.method}")
 

@@ -10,6 +10,7 @@ import msgspec
 
 from common.config.loading import ConfigMistake, build
 from common.errors import ConfigError
+from common.text import instead_of
 from local_site.calibration.rig import Rig
 from local_site.tracking.silhouette.operator_profile import OperatorProfile
 from local_site.tracking.tracker import Tracker
@@ -54,7 +55,7 @@ def tracker_kind(name: str) -> TrackerKind:
     installed = _installed()
     if name not in installed:
         raise ConfigError(
-            f"there is no tracker {name!r}; choose one of {', '.join(installed)}; or install your own first, into "
+            f"there is no tracker {name!r}; {instead_of(name, installed)}; or install your own first, into "
             "Farhand's environment: pip install --editable FOLDER"
         )
     point = installed[name]

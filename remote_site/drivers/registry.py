@@ -10,6 +10,7 @@ import msgspec
 from common.clock import Clock
 from common.config.loading import ConfigMistake, build
 from common.errors import ConfigError, DriverError, FarhandError
+from common.text import instead_of
 from remote_site.drivers.driver import Driver
 from remote_site.simulation.memory import CellMemory
 
@@ -64,8 +65,8 @@ def check_driver(name: str) -> EntryPoint:
         raise ConfigError("no driver is registered: reinstall Farhand ('pip install -e .' in its folder)")
     if name not in installed:
         raise ConfigError(
-            f"there is no driver {name!r}; choose one of: {', '.join(sorted(installed))}; or install your own first, "
-            "into Farhand's environment: pip install --editable FOLDER"
+            f"there is no driver {name!r}; {instead_of(name, sorted(installed))}; or install your own first, into "
+            "Farhand's environment: pip install --editable FOLDER"
         )
     return installed[name]
 

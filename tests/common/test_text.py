@@ -9,9 +9,15 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from common.errors import ConfigError
-from common.text import cut, escaped, file_name, in_xml_comment, name_mistake, toml_string
+from common.text import cut, escaped, file_name, in_xml_comment, instead_of, name_mistake, toml_string
 
 HOSTILE = "x\"]\n[links]\ncontrol = 'tcp/0.0.0.0:7447' # \\ \u2028 \x85 \u202e \x00 \x7f \U000e0001 -->"
+
+
+def test_a_name_that_is_none_of_these_is_answered_by_the_one_that_it_is_like_and_by_all() -> None:
+    names = ["c500c", "franka", "kinematic"]
+    assert instead_of("kinematik", names) == f"did you mean kinematic? Else choose one of: {', '.join(names)}"
+    assert instead_of("elbow", names) == f"choose one of: {', '.join(names)}"
 
 
 def test_what_is_cut_ends_with_an_ellipsis() -> None:

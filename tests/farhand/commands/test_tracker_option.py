@@ -82,7 +82,7 @@ def test_a_track_takes_its_parameters_from_the_local_sites_file_and_from_setting
 @pytest.mark.parametrize(
     ("setting", "cure"),
     [
-        ("tracking.method=foo", "choose one of eye, learned, markers"),
+        ("tracking.method=foo", "choose one of: eye, learned, markers"),
         ("tracking.metod=markers", "did you mean method?"),
         ("tracking.silhouette.right_arm=left", "give true or false"),
     ],
@@ -94,7 +94,7 @@ def test_misuse_of_a_setting_names_the_cure(monkeypatch, setting, cure):
 
 @pytest.mark.parametrize(
     ("method", "cure"),
-    [("bogus", "'bogus' is not allowed: choose one of eye, learned"), ("markers", "asks for the tracker learned")],
+    [("bogus", "'bogus' is not allowed: choose one of: eye, learned"), ("markers", "asks for the tracker learned")],
 )
 def test_no_setting_names_another_tracker_than_the_option(monkeypatch, method, cure):
     with pytest.raises(ConfigError, match=re.escape(cure)):

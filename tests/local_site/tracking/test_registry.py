@@ -63,7 +63,7 @@ def test_a_tracker_of_farhands_own_takes_no_options() -> None:
 
 @pytest.mark.parametrize(
     ("name", "wrong"),
-    [("none", "is no TrackerKind, but str"), ("gone", "cannot be loaded"), ("ultrasound", "choose one of .*markers")],
+    [("none", "is no TrackerKind, but str"), ("gone", "cannot be loaded"), ("ultrasound", "choose one of: .*markers")],
 )
 def test_what_cannot_be_used_is_named(name: str, wrong: str) -> None:
     with pytest.raises(ConfigError, match=wrong):

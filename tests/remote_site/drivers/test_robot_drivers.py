@@ -127,7 +127,10 @@ def test_drivers_are_found_by_name():
 @pytest.mark.usefixtures("registered")
 def test_an_unknown_driver_lists_the_alternatives():
     every = "broken, c500c, franka, kinematic, lab, simulated, unmade"
-    with pytest.raises(ConfigError, match=rf"no driver 'c500'; choose one of: {every}; or install your own first"):
+    with pytest.raises(
+        ConfigError,
+        match=rf"no driver 'c500'; did you mean c500c\? Else choose one of: {every}; or install your own first",
+    ):
         create_driver("c500", DriverHost(FakeClock()))
 
 
