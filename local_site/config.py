@@ -50,7 +50,8 @@ class LocalConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         check_cell_name(self.cell)
         one = self.operator.alone or (self.operator.is_simulated and self.simulation.textured)
         if one and tracker_kind(self.tracking.method).scene != "textured":
-            raise ValueError('one camera alone needs tracking.method = "monocular"')
+            key = "operator.alone" if self.operator.alone else "simulation.textured"
+            raise ValueError(f'{key} = true: one camera alone needs tracking.method = "monocular"')
 
     @property
     def bearer(self) -> Identity:

@@ -4,7 +4,6 @@ import codecs
 import difflib
 import re
 import tomllib
-from collections import Counter
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,14 +12,13 @@ from typing import Annotated, Any, Generic, TypeVar, get_args, get_origin
 import msgspec
 
 from common.config.choices import allowed_values, alternatives
+from common.config.places import KeyPath, key_lines, key_told
 from common.config.replaced_keys import GONE_KEYS, REPLACED_KEYS
-from common.config.type_words import in_plain_words
+from common.config.type_words import as_written, in_plain_words
 from common.errors import ConfigError, ConfigFileError
 
 S = TypeVar("S", bound=msgspec.Struct)
-KeyPath = tuple[str, ...]
 
-TABLE_LINE = re.compile(r"\s*\[+\s*([^\]]+?)\s*\]+")
 MAX_BYTES = 1_000_000  # a device such as /dev/zero never ends
 MOST_DEPTH = 32  # tables and lists within one another
 DEEP_KEY = re.compile(rf"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{MOST_DEPTH}}}""")
@@ -33,15 +31,15 @@ TOML_CURES = {
 CURE_UNREAD = "give the path of a file that is there and may be read"
 BESIDE = "beside"  # key of Meta.extra of a path that is seen from the configuration's own folder
 OF_A_KEY = re.compile(r"(\w+)(?:: | (?=['\d-]))")  # "key: ...", or "key VALUE ..."
-KEY_LINE = re.compile(r"\s*([A-Za-z0-9_.\"-]+)\s*=")
 
 
 @dataclass(frozen=True, slots=True)
 class ConfigMistake:
-    """One thing that is wrong, at a key of the configuration."""
+    """One thing that is wrong, at a key of the configuration; `place` is another key whose line it has, if any."""
 
     path: KeyPath
     text: str
+    place: KeyPath = ()
 
 
 def load_config(struct: type[S], path: Path | None, settings: Sequence[str] = ()) -> S:
@@ -77,6 +75,7 @@ def read_config(
     `finds_more` also finds what is wrong where everything else is right: without the keys that have mistakes.
     """
     table = read_tables(path)
+    lines = key_lines(_read(path), table) if path is not None else {}
     if path is not None:
         _take_from_beside(struct, table, path.parent)
     set_paths = {apply_setting(table, setting) for setting in settings}
@@ -87,7 +86,6 @@ def read_config(
         usable = build(struct, _without([mistake.path for mistake in mistakes], table), (), more)
         wrong = {mistake.path[:length] for mistake in mistakes for length in range(len(mistake.path))}
         mistakes += [mistake for mistake in more if mistake not in mistakes and mistake.path not in wrong]
-    lines = _key_lines(_read(path)) if path is not None else {}
     return ReadConfig(config, usable, mistakes, lambda mistake: _describe(mistake, path, lines, set_paths))
 
 
@@ -177,16 +175,17 @@ def build(struct: type[S], table: Mapping[str, Any], path: KeyPath, mistakes: li
     try:
         return struct(**values)
     except (ValueError, ConfigError) as error:
-        mistakes.append(_between_keys(path, str(error), fields))
+        mistakes.append(_between_keys(path, str(error), fields, table))
         return None
 
 
-def _between_keys(path: KeyPath, said: str, fields: Container[str]) -> ConfigMistake:
+def _between_keys(path: KeyPath, said: str, fields: Container[str], table: Mapping[str, Any]) -> ConfigMistake:
     """Build the mistake that a table reports of its keys together, at the key that its sentence begins with, if any."""
+    told = (*path, *key_told(said.replace("".join(f"{part}." for part in path), ""), table))
     found = OF_A_KEY.match(said)
     if found is not None and found[1] in fields:
-        return ConfigMistake((*path, found[1]), said[found.end() :])
-    return ConfigMistake(path, said)
+        return ConfigMistake((*path, found[1]), said[found.end() :], () if found[1] in table else told)
+    return ConfigMistake(path, said, told)
 
 
 def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistake]) -> Any:
@@ -206,7 +205,7 @@ def _value(expected: Any, value: Any, path: KeyPath, mistakes: list[ConfigMistak
     try:
         return msgspec.convert(value, expected)
     except msgspec.ValidationError as error:
-        given = f"a list of {len(value)}" if isinstance(value, list) and _row_of(bare) else f"{value!r}"
+        given = f"a list of {len(value)}" if isinstance(value, list) and _row_of(bare) else as_written(value)
         mistakes.append(ConfigMistake(path, f"{given} is not allowed: {_cure(expected, value, str(error))}"))
         return None
 
@@ -288,32 +287,10 @@ def _parse_value(raw: str) -> Any:
         return raw
 
 
-def _key_lines(text: str) -> dict[KeyPath, int]:
-    lines: dict[KeyPath, int] = {}
-    table: KeyPath = ()
-    rows: Counter[KeyPath] = Counter()
-    for number, line in enumerate(text.splitlines(), start=1):
-        if match := TABLE_LINE.match(line):
-            table = _split(match[1])
-            if line.lstrip().startswith("[["):
-                lines.setdefault(table, number)
-                rows[table] += 1
-                table = (*table, str(rows[table]))
-            lines.setdefault(table, number)
-        elif match := KEY_LINE.match(line):
-            lines.setdefault((*table, *_split(match[1])), number)
-    return lines
-
-
-def _split(dotted: str) -> KeyPath:
-    return tuple(part.strip().strip('"') for part in dotted.split("."))
-
-
 def _describe(mistake: ConfigMistake, path: Path | None, lines: Mapping[KeyPath, int], set_paths: set[KeyPath]) -> str:
     text = ": ".join(filter(None, (".".join(mistake.path), mistake.text)))
-    if mistake.path in set_paths:
+    place = mistake.place or mistake.path
+    if path is None or place in set_paths:  # the defaults have no mistake: it comes of a setting
         return f"--set {text}"
-    line = next((lines[mistake.path[:n]] for n in range(len(mistake.path), 0, -1) if mistake.path[:n] in lines), None)
-    if path is None:  # the defaults have no mistake: it comes of a setting
-        return f"--set {text}"
+    line = next((lines[place[:n]] for n in range(len(place), 0, -1) if place[:n] in lines), None)
     return f"{path}:{line}: {text}" if line else f"{path}: {text}"

@@ -3,6 +3,7 @@
 import re
 import tomllib
 from collections.abc import Sequence
+from datetime import date, time
 from typing import Any
 
 SAID = re.compile(
@@ -19,6 +20,9 @@ KINDS = {
     "str": "words in quotes",
     "array": "a list in brackets",
     "object": "a table",
+    "date": "a date",
+    "datetime": "a date with a time",
+    "time": "a time of day",
 }
 
 
@@ -42,6 +46,17 @@ def in_plain_words(said: str, value: Any, meaning: str = "") -> str:
     if found["got"]:
         instead = f", not {KINDS.get(found['got'], found['got'])}"
     return f"give {what}{where}{instead}{about}"
+
+
+def as_written(value: Any) -> str:
+    """A value of TOML in its own notation, words in single quotes."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key} = {as_written(own)}' for key, own in value.items())}}}"
+    if isinstance(value, list):
+        return f"[{', '.join(map(as_written, value))}]"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value.isoformat() if isinstance(value, date | time) else repr(value)
 
 
 def _fits_without_quotes(text: str, wanted: Sequence[str]) -> bool:

@@ -81,7 +81,7 @@ class OperatorLinks(LinkSecurity, frozen=True, kw_only=True, forbid_unknown_fiel
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in self.operators:
-            check_cell_name(name, "operator")
+            check_cell_name(name, "operators")
         if len(set(self.operators)) != len(self.operators):
             raise ValueError("operators: name everybody once")
 

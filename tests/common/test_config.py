@@ -1,5 +1,6 @@
 """Configuration: all mistakes of a file together, each with its line and cure."""
 
+import re
 import tracemalloc
 from enum import StrEnum
 from pathlib import Path
@@ -134,7 +135,7 @@ def test_what_a_table_says_of_one_of_its_keys_has_the_line_of_that_key(tmp_path:
     assert str(caught.value) == f"{path}:2: name: 'B': use small letters"
     with pytest.raises(ConfigError) as caught:
         load_config(Named, write(tmp_path, "low = 2.0\n"))
-    assert str(caught.value) == f"{path}: low and high are the wrong way round; exchange them"
+    assert str(caught.value) == f"{path}:1: low and high are the wrong way round; exchange them"
 
 
 @pytest.mark.parametrize(
@@ -237,6 +238,73 @@ def test_a_file_with_the_line_ends_of_windows_is_read(tmp_path: Path) -> None:
     path = tmp_path / "site.toml"
     path.write_bytes(b"count = 5\r\n[inner]\r\nspeed = 0.25\r\n")
     assert load_config(Outer, path) == Outer(count=5, inner=Inner(speed=0.25))
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "key"),
+    [
+        ("inner = { speed = 0.5, name = 3 }\n", 1, "inner.name"),
+        ("count = 1\ninner.name = 3\n", 2, "inner.name"),
+        ("count = 1\n\"inner\" . 'name' = 3\n", 2, "inner.name"),
+        ('[light]\n[light.left]\nlevel = [\n  [1],\n  [2]\n]\ncode = "x"\n', 7, "light.left.code"),
+        ('[light.left]\ncode = "ABCD" # code = 1\nlevel = "x"\n', 3, "light.left.level"),
+    ],
+)
+def test_a_key_has_its_line_however_it_is_written(text: str, line: int, key: str, tmp_path: Path) -> None:
+    path = write(tmp_path, text)
+    with pytest.raises(ConfigError) as caught:
+        load_config(Outer, path)
+    assert any(told.startswith(f"{path}:{line}: {key}: ") for told in str(caught.value).splitlines()), caught.value
+
+
+class Whole(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    inner: Inner = Inner()
+    named: Named = Named()
+
+    def __post_init__(self) -> None:
+        if self.inner.speed > self.named.low:
+            raise ValueError("the speed of the inner one is too high: lower inner.speed, or raise named.low")
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("[named]\nname = 'a'\n[inner]\nspeed = 0.5\n", 4),
+        ("[inner]\n[named]\nlow = 0.1\n", 3),
+        ("[named]\n[inner]\n", 2),
+        ("named.low = 0.1\n[inner]\nname = 'b'\n", 1),
+    ],
+)
+def test_what_is_wrong_between_tables_has_the_line_of_the_first_key_that_is_named_and_given(
+    text: str, line: int, tmp_path: Path
+) -> None:
+    path = write(tmp_path, text)
+    with pytest.raises(ConfigError, match=rf"^{re.escape(str(path))}:{line}: the speed of the inner"):
+        load_config(Whole, path)
+
+
+def test_what_a_setting_makes_wrong_between_tables_is_told_as_a_settings(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"^--set the speed of the inner one"):
+        load_config(Whole, write(tmp_path, "[named]\nlow = 0.1\n"), ["inner.speed=0.3"])
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        ("1979-05-27", "1979-05-27 is not allowed: give a whole number, not a date"),
+        ("1979-05-27T07:32:00", "1979-05-27T07:32:00 is not allowed: give a whole number, not a date with a time"),
+        ("07:32:00", "07:32:00 is not allowed: give a whole number, not a time of day"),
+        ("true", "true is not allowed: give a whole number, not true or false"),
+        (
+            "[{ a = 07:32:00, b = false }]",
+            "[{a = 07:32:00, b = false}] is not allowed: give a whole number, not a list",
+        ),
+    ],
+)
+def test_a_value_is_told_as_it_is_written(value: str, told: str, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError) as caught:
+        load_config(Outer, write(tmp_path, f"count = {value}\n"))
+    assert told in str(caught.value)
 
 
 class Row(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
