@@ -59,7 +59,7 @@ def check_endpoint(endpoint: str, security: LinkSecurity) -> Endpoint:
     if found.is_secured and not security.tls.is_given:
         raise TransportError(
             f"endpoint {endpoint!r} is refused: {found.protocol} needs certificates; make them with 'farhand "
-            "certificates create CELL' and name them in the table [links.tls]"
+            "certificates create CELL' and name them in the table [links.tls], in a router's file [tls]"
         )
     if not (found.is_secured or found.is_loopback or security.plain_text_beyond_loopback):
         raise TransportError(

@@ -1,19 +1,21 @@
-"""Finds every mistake of a configuration at once: of its keys and values, and of the arm that they describe."""
+"""Finds every mistake of a configuration at once: of its keys and values, and what a start would refuse of them."""
 
-import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from common.config.loading import ConfigMistake, ReadConfig, read_config, read_tables
+from common.config.loading import ConfigMistake, read_config, read_tables
+from common.config.places import KeyPath, key_told
 from common.errors import ConfigError
 from farhand.deployment.kinds import KINDS, Configuration, likeliest
 from farhand.deployment.mix_ups import COMMANDS
+from farhand.deployment.refusals import links_table, refused_links, refused_operator
 from local_site.config import LocalConfig
 from remote_site.config import RemoteConfig
 
-KEY = re.compile(r"[a-z_]+(\.[a-z_]+)+")
 BUILT_OF = ("robot", "model"), ("robot", "tool_frame"), ("driver", "name")  # without these no arm can be judged
+FILMED_BY = "operator", "simulation"  # tables without which the cameras cannot be
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,16 +52,26 @@ def _kind_of(path: Path) -> type[Configuration]:
 
 def _mistakes(kind: type[Configuration], path: Path) -> list[str]:
     read = read_config(kind, path, finds_more=True)
-    mistakes = [read.described(mistake) for mistake in read.mistakes]
     wrong = {mistake.path for mistake in read.mistakes}
-    if isinstance(read.usable, RemoteConfig) and not any(own[:n] in wrong for own in BUILT_OF for n in range(3)):
-        from remote_site.runtime.checks import find_mistakes  # noqa: PLC0415  # loads what an arm is computed with
+    mistakes = list(read.mistakes)
+    config: Configuration | None = read.usable
+    if config is not None and not any(_is_in(key, links_table(config)) for key in wrong):
+        mistakes += refused_links(config)
+    if isinstance(config, LocalConfig) and not any(_is_in(key, (table,)) for key in wrong for table in FILMED_BY):
+        mistakes += refused_operator(config)
+    if isinstance(config, RemoteConfig) and not any(own[:n] in wrong for own in BUILT_OF for n in range(3)):
+        mistakes += _of_arm(config, read_tables(path))
+    return [read.described(mistake) for mistake in mistakes]
 
-        mistakes += (_of_arm(path, read, f"{each.sentence}; {each.cure}") for each in find_mistakes(read.usable))
-    return mistakes
+
+def _is_in(key: KeyPath, table: KeyPath) -> bool:
+    return key[: len(table)] == table
 
 
-def _of_arm(path: Path, read: ReadConfig[Any], sentence: str) -> str:
-    """A mistake of the arm, with the line of the key that the sentence begins with, if it does."""
-    key, _, rest = sentence.partition(" ")
-    return read.described(ConfigMistake(tuple(key.split(".")), rest)) if KEY.fullmatch(key) else f"{path}: {sentence}"
+def _of_arm(config: RemoteConfig, tables: Mapping[str, Any]) -> Iterator[ConfigMistake]:
+    """The mistakes of the arm, each with the line of the key that it is about, as far as it is given."""
+    from remote_site.runtime.checks import find_mistakes  # noqa: PLC0415  # loads what an arm is computed with
+
+    for mistake in find_mistakes(config):
+        sentence = f"{mistake.sentence}; {mistake.cure}"
+        yield ConfigMistake((), sentence, key_told(sentence, tables))

@@ -1,15 +1,25 @@
 """Makes Farhand's own drivers, as the entry points in pyproject.toml name them."""
 
-from common.errors import DriverError
+from collections.abc import Mapping
+
+from common.errors import ConfigError, DriverError
 from remote_site.drivers.c500c.config import c500c_options
 from remote_site.drivers.c500c.protocol import JOINTS as A465_JOINTS
 from remote_site.drivers.checks_before_start import checked_by
-from remote_site.drivers.driver import Driver, check_joints
+from remote_site.drivers.driver import Driver, DriverSetup, check_joints
 from remote_site.drivers.franka.config import franka_options
 from remote_site.drivers.franka.robot_limits import check_fr3
-from remote_site.drivers.registry import DriverHost
+from remote_site.drivers.registry import DriverHost, Option
 
 
+def without_options(options: Mapping[str, Option], _setup: DriverSetup) -> None:
+    """Raise ConfigError with a line for each option, of a driver that has none."""
+    if options:
+        cure = "leave it out, or set driver.options={}"
+        raise ConfigError("\n".join(f"driver.options.{key}: this driver has no options; {cure}" for key in options))
+
+
+@checked_by(without_options)
 def kinematic(host: DriverHost) -> Driver:
     """A robot that follows perfectly."""
     from remote_site.drivers.kinematic import KinematicDriver  # noqa: PLC0415  # each imports what it alone needs
@@ -17,6 +27,7 @@ def kinematic(host: DriverHost) -> Driver:
     return KinematicDriver(host.clock)
 
 
+@checked_by(without_options)
 def simulated(host: DriverHost) -> Driver:
     """The robot of the simulated cell."""
     from remote_site.drivers.simulated import SimulatedDriver  # noqa: PLC0415  # it needs MuJoCo's extra

@@ -123,7 +123,8 @@ def _load_with(model: ArmModel, config: RemoteConfig, loading: _Loading) -> None
     solvers = "correct robot.kinematics, robot.stance and [control.solver]"
     loading.load("kinematics", solvers, lambda: choose_target_tracker(robot, prediction(config), model, limits))
     if config.cell_is_simulated or config.views_are_simulated:
-        loading.load("simulated cell", "correct [simulation], or that URDF", lambda: _build_simulation(config))
+        shown = "correct [simulation], or the URDF of robot.model"
+        loading.load("simulated cell", shown, lambda: _build_simulation(config))
 
 
 def _load_driver(config: RemoteConfig, loading: _Loading) -> None:

@@ -231,6 +231,17 @@ def test_another_mode_of_engagement_changes_nothing_else():
     assert config.engaging(EngagementMode.ON_REQUEST) == RemoteConfig(cell="lab")
 
 
+@pytest.mark.parametrize("driver", ["kinematic", "simulated"])
+def test_a_driver_without_options_refuses_each_with_its_cure(driver):
+    options = DriverConfig(name=driver, options={"foo": 1, "bar": "x"})
+    with pytest.raises(ConfigError) as told:
+        check_robot(RemoteConfig(driver=options))
+    foo, bar = str(told.value).splitlines()
+    assert foo == "driver.options.foo: this driver has no options; leave it out, or set driver.options={}"
+    assert bar.startswith("driver.options.bar: ")
+    check_robot(load_config(RemoteConfig, None, (f"driver.name={driver}", "driver.options={}")))
+
+
 @pytest.mark.parametrize(
     ("settings", "refused"),
     [
