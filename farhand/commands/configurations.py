@@ -62,6 +62,8 @@ def show(
 ) -> None:
     """Print a configuration with every key explained; redirect it to a file to begin one of your own.
 
+    The schema that its first line names to editors is written by 'farhand config schema'.
+
     Example: farhand config show remote > remote.toml
     """
     from farhand.deployment.shipped import read_configuration

@@ -10,10 +10,18 @@ from typer.testing import CliRunner
 
 from common.config.loading import read_tables
 from farhand.cli import app
-from farhand.deployment.kinds import KINDS
+from farhand.deployment.kinds import KINDS, likeliest
 from farhand.deployment.schemas import schema_of
-from farhand.deployment.shipped import HERE, NAMES
+from remote_site.config import RemoteConfig
 from tests.farhand.deployment.test_shipped import KINDS as KIND_OF
+
+ROOT = Path(__file__).parents[3]
+SHIPPED = [
+    path
+    for package in ("common", "farhand", "local_site", "remote_site")
+    for path in sorted((ROOT / package).rglob("*.toml"))
+    if path.name != "pyproject.toml"
+]
 
 
 def resolved(part: dict[str, Any], whole: dict[str, Any]) -> dict[str, Any]:
@@ -35,13 +43,19 @@ def unknown_keys(value: Any, part: dict[str, Any], whole: dict[str, Any]) -> lis
     return missing + [key for keys in within for key in keys]
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_a_shipped_file_names_a_schema_that_has_its_keys(name: str, tmp_path: Path) -> None:
+def test_the_models_have_configurations_too() -> None:
+    assert {path.name for path in SHIPPED} >= {"remote.toml", "fr3.toml", "humanoid.toml"}
+
+
+@pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
+def test_a_shipped_file_names_a_schema_that_has_its_keys_and_says_who_writes_it(file: Path, tmp_path: Path) -> None:
     assert CliRunner().invoke(app, ["config", "schema", "--out", str(tmp_path / "schemas")]).exit_code == 0
-    file = HERE / "sites" / f"{name}.toml"
-    first = file.read_text().partition("\n")[0]
+    first, second, *_ = file.read_text().splitlines()
+    assert "'farhand config schema' writes it" in second
     schema = json.loads((tmp_path / first.removeprefix("#:schema ")).read_text())
-    assert schema == json.loads(json.dumps(schema_of(KIND_OF[name])))
+    (kind,) = likeliest(read_tables(file), tuple(KINDS))
+    assert kind is KIND_OF.get(file.stem, RemoteConfig)
+    assert schema == json.loads(json.dumps(schema_of(kind)))
     assert unknown_keys(read_tables(file), schema, schema) == []
     assert unknown_keys({"no_such": 1}, schema, schema) == ["no_such"]
 
