@@ -223,13 +223,16 @@ class Code(StrEnum):
     ASSIST_CLOSED = "assist_closed", "{target!r} is to be grasped: open the gripper first"
     ASSIST_OFFERED = (
         "assist_offered",
-        "hold A: the tool will move {distance_mm:.0f} mm and {angle_deg:.0f} deg to {kind} {target!r}",
+        "hold Assist: the tool will move {distance_mm:.0f} mm and {angle_deg:.0f} deg to {kind} {target!r}",
     )
     ASSIST_LEADING = (
         "assist_leading",
         "the tool moves to {kind} {target!r}: {distance_mm:.0f} mm and {angle_deg:.0f} deg are left",
     )
-    ASSIST_THERE = "assist_there", "the tool is where it has to be to {kind} {target!r}; let go of A to go on by hand"
+    ASSIST_THERE = (
+        "assist_there",
+        "the tool is where it has to be to {kind} {target!r}; let go of Assist to go on by hand",
+    )
     ASSIST_LET_GO = "assist_let_go", "the assist has ended: A was let go"
     ASSIST_SILENT = "assist_silent", "the assist has ended: the page reported nothing for {silent_ms:.0f} ms"
     ASSIST_MOVED = "assist_moved", "the assist has ended: the hand moved by {distance_mm:.0f} mm"

@@ -8,6 +8,7 @@ RECORD_HEADER_BYTES = 16
 RESERVED, HEAD, NUMBER = range(3)
 LARGEST_FRACTION = 4  # a record takes at most this part of the ring
 FILLER = 0xFFFFFFFF
+COUNTER = 2**64 - 1  # a counter's bits: whoever shares the memory may have written anything there
 STANDING_ATTEMPTS = 1000
 STEPS_PER_LOOK = 16  # to the next record: an end that is filled, and places that are overwritten meanwhile
 
@@ -36,19 +37,19 @@ class SharedRing:
         number = self._words[NUMBER]
         needed = RECORD_HEADER_BYTES + _padded(len(data))
         if needed > self.size // LARGEST_FRACTION:
-            self._words[NUMBER] = number + 1
+            self._words[NUMBER] = number + 1 & COUNTER
             return False
         head = self._words[HEAD]
         at = head % self.size
         start = head if at + needed <= self.size else head + self.size - at
-        self._words[RESERVED] = start + needed
+        self._words[RESERVED] = start + needed & COUNTER
         if start != head and self.size - at >= RECORD_HEADER_BYTES:
             self._bytes[at : at + RECORD_HEADER_BYTES] = _header(FILLER, 0, 0)
         at = start % self.size
         header = _header(len(data), zlib.crc32(data), number)
         self._bytes[at : at + RECORD_HEADER_BYTES + len(data)] = header + data
-        self._words[NUMBER] = number + 1
-        self._words[HEAD] = start + needed
+        self._words[NUMBER] = number + 1 & COUNTER
+        self._words[HEAD] = start + needed & COUNTER
         return True
 
     @property

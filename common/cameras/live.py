@@ -1,6 +1,7 @@
 """A running camera: set up and verified when it is opened, its frames stamped by its driver or by their arrival."""
 
 import math
+import os
 from collections.abc import Callable
 from typing import TypeGuard
 
@@ -24,6 +25,7 @@ GIVEN_UP_NS = 2 * NS_PER_S  # without a picture
 RETRY_NS = 10 * NS_PER_MS  # a source that is gone says so at once, again and again
 CURE_OF_RATE = "give more light or a fixed exposure_ms, a port of its own, or pixel_format = 'MJPG'"
 FRAMES_TO_TRUST = 5
+FFMPEG_QUIET = "-8"
 OLDEST_NS = 500 * NS_PER_MS  # a few buffers of a slow camera; another clock is hours or decades away
 
 
@@ -59,9 +61,18 @@ class DriverStamps:
 
 
 def open_capture(source: str) -> VideoCapture:
-    """OpenCV's capture of a device or stream; devices go through V4L2 where there is one, for its units and stamps."""
-    is_device = device_of(source) is not None and cv2.videoio_registry.hasBackend(cv2.CAP_V4L2)
-    backend = cv2.CAP_V4L2 if is_device else cv2.CAP_ANY
+    """OpenCV's capture of a device or stream; devices go through V4L2 where there is one, for its units and stamps.
+
+    Streams go through FFmpeg alone: OpenCV's reader of numbered pictures would print a URL, password and all, that has
+    a percent sign. FFmpeg prints nothing, for the same reason, and OpenCV no warnings: the caller says what fails.
+    """
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", FFMPEG_QUIET)
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_ERROR)
+    backend = cv2.CAP_ANY
+    if device_of(source) is not None and cv2.videoio_registry.hasBackend(cv2.CAP_V4L2):
+        backend = cv2.CAP_V4L2
+    elif "://" in source and cv2.videoio_registry.hasBackend(cv2.CAP_FFMPEG):
+        backend = cv2.CAP_FFMPEG
     return cv2.VideoCapture(int(source) if source.isdecimal() else source, backend)
 
 
@@ -96,9 +107,8 @@ class LiveCamera:
         self._is_closed = False
         self._capture = open_source(source)
         if not self._capture.isOpened():
-            raise CameraError(
-                f"camera {name}: cannot open {self._source}; is it plugged in, and may this user read it?"
-            )
+            cure = "are address, path and password right?" if "://" in source else "may this user read it?"
+            raise CameraError(f"camera {name}: cannot open {self._source}; is it plugged in, and {cure}")
         try:
             set_up(self._capture, settings, wished_fps)
             self.state: CameraState = self._verified()

@@ -32,9 +32,12 @@ class VideoFile:
     def __init__(self, path: Path, name: str, fps: float | None = None) -> None:
         self.name, self.damage = name, ""
         self._path = path
+        unreadable = f"camera {name}: {path} is not a video file that can be read"
+        if not path.is_file():  # OpenCV would print it, though it may be a URL that was typed wrongly
+            raise CameraError(unreadable)
         self._capture = cv2.VideoCapture(str(path))
-        if not path.is_file() or not self._capture.isOpened():
-            raise CameraError(f"camera {name}: {path} is not a video file that can be read")
+        if not self._capture.isOpened():
+            raise CameraError(unreadable)
         self.fps = fps if fps is not None else float(self._capture.get(cv2.CAP_PROP_FPS))
         if not (math.isfinite(self.fps) and self.fps > 0):
             raise CameraError(f"camera {name}: {path} does not state its frame rate; give it with --fps")

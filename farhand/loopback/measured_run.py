@@ -26,7 +26,7 @@ from farhand.loopback.recorder import Record, Recorder
 from farhand.loopback.running_sites import RunningSites
 from farhand.loopback.scenario import operator_views
 from farhand.loopback.site_process import listens, start_site
-from farhand.loopback.verdict import check_followed, explained, judged_failure, praise, too_slow
+from farhand.loopback.verdict import check_followed, explained, judged_failure, praise, slow_views, too_slow
 from farhand.outputs import check_file, check_folder, check_new_file
 from farhand.terminal import aside, tell
 from farhand.tracking.track_run import prepare_tracker
@@ -113,6 +113,7 @@ class Loopback:
                 self.failure = failure
         figures = run_figures(self.record, self._operator, self._remote, self._sites.events)
         figures["too_slow"] = self.slowness()
+        figures["slow_views"] = slow_views(figures["video"], self._remote.video.fps)
         if self._options.record is not None:
             figures["recording"] = self._recomputed(self._options.record, figures)
         return figures

@@ -11,6 +11,7 @@ from remote_site.reasons import Code
 
 LITTLE = 0.9  # of the time; a machine that keeps up follows for 95 % and more
 ENOUGH_PICTURES = 0.8  # of those that the simulated cameras expose
+SLOW_VIEW, OLD_MS = 0.5, 300.0  # of the pictures a second that are asked for; an age from which none counts as live
 LATE = (Code.SAMPLES_OLD, Code.SAMPLES_RARE)
 MAX_FOLLOW_MM = 50.0
 TRY_LESS = "End what else runs on it, or try less: --headless, --tracker markers, --driver kinematic"
@@ -22,7 +23,20 @@ def praise(figures: Figures) -> str:
     took_ms = figures["capture_to_command_ms"]["p50"]
     command = "" if took_ms is None else f", {took_ms:.0f} ms from exposure to command"
     share, off_mm = figures["followed_share"], figures["follow_mm"]["mean"]
-    return f"good: the arm followed for {share:.1%} of the time, {off_mm:.1f} mm off the hand{command}"
+    good = f"good: the arm followed for {share:.1%} of the time, {off_mm:.1f} mm off the hand{command}"
+    return f"{good}; {figures['slow_views']}" if figures["slow_views"] else good
+
+
+def slow_views(video: Figures, fps: float) -> str | None:
+    """Say which of the cell's views came too rarely or too late on this machine, which asked for `fps` of each."""
+    slow = []
+    for name, view in video.items():
+        age_ms = view["glass_to_glass_ms"]["p95"]
+        if age_ms is not None and (view["fps"] < SLOW_VIEW * fps or age_ms > OLD_MS):
+            slow.append(f"{name.replace('_', ' ')} {view['fps']:.0f} of {fps:.0f} a second, {age_ms:.0f} ms old")
+    if not slow:
+        return None
+    return f"but it was too slow for pictures of the cell: {'; '.join(slow)}. End what else runs on this machine"
 
 
 def check_followed(figures: Figures) -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
-REMOTE, LOCAL, MAPPED = Path("remote_site"), Path("local_site"), Path("common/mapping")
+REMOTE, LOCAL, COMMON, MAPPED = Path("remote_site"), Path("local_site"), Path("common"), Path("common/mapping")
 TESTS, LOCAL_TESTS = Path("tests/remote_site"), Path("tests/local_site")
 TELEOP, MOTION = TESTS / "teleop", TESTS / "motion"
 
@@ -57,10 +57,17 @@ SILENCES = _tests(TESTS / "safety", "silence", "turn_watch")
 GUARD = (TESTS / "safety", MOTION / "test_planner.py", SURVIVING)
 SUPERVISOR = (TESTS / "drivers" / "supervisor",)
 POSITION_ARM = (TESTS / "drivers" / "position_arm",)
-SETPOINTS = _tests(TESTS / "drivers" / "franka", "setpoint_filter", "robot_limits", "franka_driver")
+DRIVERS, FRANKA = TESTS / "drivers", TESTS / "drivers" / "franka"
+GRIPPING = (DRIVERS / "supervisor" / "test_gripper_orders.py", FRANKA / "test_gripper_orders.py", *POSITION_ARM)
+STEPS = (*POSITION_ARM, DRIVERS / "c500c" / "test_setpoints.py")
+DRIVER_LINK = (DRIVERS / "test_driver_link.py", TESTS / "runtime" / "test_control_loop.py")
+CONTROL = _tests(TESTS / "runtime", "control_loop", "inbox", "wrong_reading")
+CLOCKS = (*_tests(Path("tests/common"), "steady_time", "clock_offset"), TESTS / "runtime" / "test_inbox.py")
+SETPOINTS = _tests(FRANKA, "setpoint_filter", "robot_limits", "franka_driver")
 ASSIST = (TESTS / "assist",)
 SAMPLES = (LOCAL_TESTS / "samples",)
 SEAT = (LOCAL_TESTS / "console",)
+LATCH = (Path("tests/common/messages/test_clutch_latch.py"), TESTS / "session" / "test_session_mutations.py")
 PROGRAMMED = (LOCAL_TESTS / "programmed", *_tests(Path("tests/farhand/replay"), "recorded_tool_path", "path_run"))
 AUTHORITY = (LOCAL_TESTS / "authority",)
 
@@ -159,8 +166,18 @@ TARGETS = (
         marker_watch=8,
         standing_marker=6,
     ),
+    *_targets(REMOTE / "assist", ASSIST, detection=6, marker_pose=8),
+    *_targets(REMOTE / "session", (*SESSION, SURVIVING, *CONTROL), halts=8, samples=8),
+    *_targets(REMOTE / "runtime", CONTROL, control=10, driven_pipeline=6),
+    *_targets(REMOTE / "drivers", GRIPPING, gripper_orders=10),
+    *_targets(REMOTE / "drivers", STEPS, position_steps=6),
+    *_targets(REMOTE / "drivers", DRIVER_LINK, link=12),
+    *_targets(REMOTE / "drivers" / "c500c", (DRIVERS / "c500c",), driver=8, exchange=8, port=4, protocol=8),
+    *_targets(REMOTE / "drivers" / "franka", (FRANKA,), arm_loop=10, gripper_loop=8, robot_watch=8, driver=8),
+    *_targets(COMMON, CLOCKS, steady_time=12, clock=10),
+    *_targets(COMMON / "messages", LATCH, clutch_latch=6),
     *_targets(LOCAL / "samples", SAMPLES, hand_sample=10, smoothing=10),
     *_targets(LOCAL / "console" / "model", SEAT, seat=8),
-    *_targets(LOCAL / "programmed", PROGRAMMED, path_run=10, path_progress=8, led_hand=5, approach=3),
+    *_targets(LOCAL / "programmed", PROGRAMMED, path_run=10, path_progress=8, path_runs=8, led_hand=5, approach=3),
     *_targets(LOCAL / "authority", AUTHORITY, lease_policy=6),
 )

@@ -295,7 +295,7 @@ def test_the_clutch_is_down_while_it_is_held_and_what_is_next_is_said(overheard:
     clutched(overheard, "down")
     overheard.state = CLUTCHED
     overheard.until("the word", lambda: overheard.page.state() == "clutched")
-    assert "then let go of C" in overheard.page.words("#step-words")
+    assert "then let go of the clutch" in overheard.page.words("#step-words")
     assert page.get_attribute("#clutch", "data-rank") == "next"
     clutched(overheard, "down")
     if by == "key":
@@ -331,7 +331,7 @@ def test_a_clutch_whose_release_nobody_saw_can_be_pressed_again_while_disengaged
     why = "nobody saw the clutch let go"
     readiness = Readiness(False, "clutch_unseen", why, False)
     overheard.state = partial(scene.state, SessionState.DISENGAGED, "latched", why, readiness=readiness)
-    overheard.until("the next step", lambda: "press C, let go, engage" in overheard.page.words("#step-words"))
+    overheard.until("the next step", lambda: "press it, let go, engage" in overheard.page.words("#step-words"))
     overheard.page.page.keyboard.down("c")
     clutched(overheard, "down")
     overheard.page.page.keyboard.up("c")

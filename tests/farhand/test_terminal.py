@@ -178,6 +178,6 @@ def test_the_name_of_a_recording_is_no_markup_in_a_bar(capsys: pytest.CaptureFix
 def test_the_name_of_a_camera_is_no_markup_in_the_loopbacks_table() -> None:
     printed = StringIO()
     record = Record(cameras={SAID: CameraRecord()})
-    figures = run_figures(record, NobodyOperates(), RemoteConfig(), []) | {"too_slow": None}
+    figures = run_figures(record, NobodyOperates(), RemoteConfig(), []) | {"too_slow": None, "slow_views": None}
     print_table(figures, Console(file=printed, width=200))
     assert f"camera {SHOWN}" in printed.getvalue()

@@ -118,7 +118,7 @@ ROWS = (
     Row("70 viewers connect, and the process that serves them is killed", "follows; stops are answered, also that of a new session; the site goes on", watch_in_crowds, protocol="tls"),
     Row("2000 samples a second without the lease", "refused, the arm follows", outlast(lambda pair: flood(pair, 5.0), 0.95)),
     Row("a recorder of the next release writes an unknown field and an alarm of 1000 characters", "refused or cut, and told; the arm follows", record_strangely),
-    Row("the operator's clock is slewed by 8 %", "the arm follows; video and site live", slew_the_operator, settings=VIEWED),
+    Row("the operator's clock is slewed by 8 %", "the arm follows; ages are true; video and site live", slew_the_operator, settings=VIEWED),
     Row("driver raises", "LATCH, the loop ticks", faulty(robot(raises=True), robot(raises=False), says="ZeroDivisionError")),
     Row("driver blocks 200 ms", "deadline 50 ms, LATCH, the loop ticks", faulty(robot(blocks_ms=200), robot(), says="ms", more_s=0.2)),
     Row("robot reports a fault", "code mirrored, " + FAULTS, faulty(robot(fault="robot"), robot(fault=""), says="robot (E42)"), quick=True),

@@ -2,12 +2,14 @@
 
 import threading
 import time
+from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from statistics import median
 
 import msgspec
 
-from common.clock import NS_PER_MS
+from common.clock import NS_PER_MS, NS_PER_S
 from common.link.channels import CAMERA, SHOWN, ChannelSession
 from common.link.transport import open_link
 from common.messages.recording import RecordingState
@@ -23,6 +25,8 @@ from tests.faults.trial import Trial
 SLEW = 0.08
 SLEWED_S = 8.0  # each way
 REPORT_S = 0.1
+WARM_NS = NS_PER_S  # until what is stated of the last samples tells of the slewed clock alone
+LEAST_AGES, UNSURE_MS = 100, 8.0  # a command takes up to 33 ms to the operator's host: 16 % of that at the turn
 BEATS, BEAT_S = 10, 0.1
 CAMERA_NAME = "side"
 STATE = recorder(writing=True, on_request=False)
@@ -59,22 +63,58 @@ def _write(pair: CellPair, memory: RecordingMemory, data: bytes) -> RecordingSta
 
 
 def slew_the_operator(trial: Trial) -> None:
-    """The clock of the operator's host gains 8 %, then loses them: the arm follows, video and site live."""
+    """The clock of the operator's host gains 8 %, then loses them: it follows, ages are true, video and site live."""
     pair = trial.pair
     pair.move()
     with _console(pair) as console:
         pair.wait("pictures", lambda: console.came, 10)
         trial.begin(lambda _: None)
+        clock = _SlewedTimes()
         for rate in (SLEW, -SLEW):
             pair.hand(slew=rate)
+            clock.slew(rate)
             console.rate = rate
             time.sleep(SLEWED_S)
         trial.follows(0.95)
+        _check_ages(trial, clock)
         came = console.came
         pair.wait("more pictures", lambda: console.came > came + 10, 5)
         trial.note(f"{console.came} pictures came")
     trial.check(pair.remote.exit_code is None, "the site has ended")
     pair.start_local()  # its clock is the machine's again
+
+
+class _SlewedTimes:
+    """Tells the machine's time of stamps of a clock that was slewed, as exactly as is known since when it was."""
+
+    def __init__(self) -> None:
+        self._machine_ns, self._clock_ns, self._rates = [0.0], [0.0], [0.0]
+
+    def slew(self, rate: float) -> None:
+        """The clock gains at this rate from now on."""
+        now_ns = float(time.monotonic_ns())
+        self._clock_ns.append(self._clock_ns[-1] + (now_ns - self._machine_ns[-1]) * (1.0 + self._rates[-1]))
+        self._machine_ns.append(now_ns)
+        self._rates.append(rate)
+
+    def machine_ns(self, stamp_ns: int) -> float:
+        """The machine's time when the clock read `stamp_ns`."""
+        k = bisect_right(self._clock_ns, stamp_ns) - 1
+        return self._machine_ns[k] + (stamp_ns - self._clock_ns[k]) / (1.0 + self._rates[k])
+
+
+def _check_ages(trial: Trial, clock: _SlewedTimes) -> None:
+    """No sample was obeyed beyond the limit, and none stated to be younger than samples were, by the machine's time."""
+    states = [state for state in trial.pair.states if state.t_ns > trial.fault_ns + WARM_NS]
+    limits = {state.obeyed: state.age_limit_ms for state in reversed(states) if state.obeyed is not None}
+    ages = {one: (one.command_ns - clock.machine_ns(one.capture_ns)) / NS_PER_MS for one in limits}
+    trial.check(len(ages) > LEAST_AGES, f"{len(ages)} samples alone were obeyed")
+    too_old = [f"{age:.0f} ms" for one, age in ages.items() if age > limits[one] + UNSURE_MS]
+    trial.check(not too_old, f"samples were too old: {', '.join(too_old)}")
+    stated = [link.age_ms for state in states if (link := state.hand_link) is not None and link.age_ms is not None]
+    usual = median(ages.values())
+    trial.note(f"samples {usual:.0f} ms old were stated to be {min(stated):.0f} to {max(stated):.0f} ms old at most")
+    trial.check(min(stated) > usual - UNSURE_MS, "samples were stated to be younger than they are")
 
 
 class _Console:

@@ -78,6 +78,22 @@ def test_a_changed_byte_is_noticed():
     assert reader.lost == 1
 
 
+@pytest.mark.parametrize("counter", range(3))
+@pytest.mark.parametrize("value", [2**64 - 1, 2**64 - 8, 2**63, 13])
+def test_whatever_a_reader_writes_to_the_counters_the_writer_goes_on(counter, value):
+    """Control's cycle writes here; the memory is shared with a recorder, which may be damaged."""
+    memory = memoryview(mmap.mmap(-1, HEADER_BYTES + 4096))
+    shared = SharedRing(memory)
+    for number in range(60):
+        if number % 20 == 10:
+            memory[8 * counter : 8 * counter + 8] = value.to_bytes(8, "little")
+        assert shared.write(record(number, 40 * (number % 20)))
+    assert not shared.write(bytes(4096))
+    fresh = RingReader(shared)
+    shared.write(b"after")
+    assert taken(fresh) == [b"after"]
+
+
 def hammer(shared: SharedRing) -> None:
     rng = Random(2)  # noqa: S311
     for number in range(10_000_000):

@@ -32,6 +32,7 @@ const RECORDED = {
 const BEHIND_M = 0.06;
 const BEHIND_DEG = 20;
 const DISENGAGED = /^disengaged, /;
+const OF_ITS_AGE = /hand sample is \d+ ms old/;
 const ENGAGE_AGAIN = /; engage again to continue$/;
 
 /** The words for what is missing: a page that shows a recording has others.
@@ -119,7 +120,9 @@ function sentenceOf(robot, { settings, unanswered, clock }) {
   const behind = limitOf(robot.code) === null ? behindWords(robot) : ""; // a limit has a figure of its own
   const following = robot.state === "engaged" ? [behind, lockWords(settings)] : [];
   const own = robot.state === "disengaged" ? disengagedReasons(robot) : [robot.reason];
-  return [...before, ...own, ...following, handTrouble(robot, clock)].filter(Boolean).join(" · ");
+  const { words } = handTrouble(robot, clock);
+  if (robot.code === "stale" && words) return [...before, words].join(" · "); // the same cause, better known
+  return [...before, ...own, ...following, own.some((reason) => OF_ITS_AGE.test(reason)) ? "" : words].filter(Boolean).join(" · ");
 }
 
 /** Why it was disengaged, and what is missing before it can be engaged; the word and the next step say the rest.

@@ -4,6 +4,7 @@ import { element } from "./elements.js";
 import { put } from "./words.js";
 
 const ONE_CLOCK_MS = 1;
+const LIMIT_AND_PARTS = /; the limit is .*$/; // the figures of the link have the parts
 const WHY = {
   narrow: "the link is too narrow",
   slow_page: "this page draws too slowly",
@@ -32,12 +33,18 @@ function isOneMachine({ offset_ms: offsetMs, round_trip_ms: roundTripMs }) {
   return offsetMs !== null && roundTripMs !== null && Math.abs(offsetMs) < ONE_CLOCK_MS;
 }
 
-/** The sentence of what is wrong with the way of the hand samples, empty while nothing is.
- * @type {(robot: Robot, clock: Clock) => string} */
+/** What is wrong with the way of the hand samples, as the bar says it, and what to do; both empty while nothing is. The list of events has the
+ * remote site's whole sentence.
+ * @type {(robot: Robot, clock: Clock) => { words: string, cure: string }} */
 export function handTrouble({ hand_link: hand, age_limit_ms: limitMs }, clock) {
-  if (!hand?.reason) return "";
-  if (!isOneMachine(clock) || hand.age_ms === null) return hand.reason;
-  return `hand samples are ${Math.round(hand.age_ms)} ms old (limit ${Math.round(limitMs)} ms): this machine has too much to do`;
+  if (!hand?.reason) return { words: "", cure: "" };
+  const limit = `(limit ${Math.round(limitMs)} ms)`;
+  if (isOneMachine(clock) && hand.age_ms !== null) {
+    const words = `hand samples are ${Math.round(hand.age_ms)} ms old ${limit}: this machine has too much to do`;
+    return { words, cure: "end what else runs on this machine." };
+  }
+  const [found, cure = ""] = hand.reason.split(/\.? Cure: /);
+  return { words: found.replace(LIMIT_AND_PARTS, ` ${limit}`), cure: cure && `${cure.split("; or ")[0]}.` };
 }
 
 /** The same of the pictures, for the picture itself.

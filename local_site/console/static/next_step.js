@@ -7,6 +7,7 @@
 import { holderWords } from "./condition.js";
 import { EMERGENCY } from "./emergency.js";
 import { hasWayBack } from "./limits.js";
+import { handTrouble } from "./link_line.js";
 
 /** @typedef {{ next: string | null, waits?: boolean, minor: string[], words: string }} Step */
 /** @typedef {{ operator: string, held: boolean, act: LeaseAct | null, down: boolean, stale: string, back: string }} Facts */
@@ -16,14 +17,14 @@ const IF_IT_MOVES = `If the arm moves, ${EMERGENCY}.`;
 const UNHEARD = "Press STOP; it may not reach the robot. Have somebody there press the red emergency stop if the arm moves.";
 /** @type {Record<string, string>} */
 const CLUTCH = {
-  clutched: "Move your hand to where it has room, then let go of C: the arm goes on from where it is.",
-  clutch_unseen: "Nobody saw the clutch let go: press C again, let go.",
+  clutched: "Move your hand to where it has room, then let go of the clutch: the arm goes on from where it is.",
+  clutch_unseen: "Nobody saw the clutch let go: press it again, let go.",
   clutch_settling: "Keep your hand still: the arm follows in a moment.",
 };
 /** @type {Record<string, string>} */
 const BEFORE_CLUTCH = {
-  clutched: "Let go of C first.",
-  clutch_unseen: "Nobody saw the clutch let go: press C, let go, engage.",
+  clutched: "Let go of the clutch first.",
+  clutch_unseen: "Nobody saw the clutch let go: press it, let go, engage.",
   clutch_settling: "Keep your hand still.",
 };
 const OF_THE_HAND = ["lost", "initialising", "no_wrist", "uncertain", "no_covariance", "jump", "jumps"];
@@ -32,9 +33,6 @@ const LOCAL_SILENT = "The local site is silent. On this host, type: farhand loca
 const MOST_CAUSE = 110; // letters: the bar has the whole sentence
 const CURE = /; ((?:check|correct|end|find|give|read|start) [^;]*)$/;
 const ONE_NAME = /^\S+$/; // neither several, nor another page, nor the robot's own emergency stop
-/** What makes an arm ready, where the reason does not say it.
- * @type {Record<string, string>} */
-const CURES = { link_too_slow: "Take a quicker way: a cable instead of Wi-Fi, no VPN." };
 /** @type {(words: string) => Step} */
 const nothing = (words) => ({ next: null, minor: [], words });
 
@@ -73,17 +71,18 @@ function watching({ halt }, seat, mayOperate) {
 }
 
 /** @type {(condition: Condition, robot: Robot, situation: Situation, facts: Facts) => Step} */
-function operating(condition, robot, { hand, seat }, { operator, held, act, down, stale, back }) {
+function operating(condition, robot, { hand, seat, clock }, { operator, held, act, down, stale, back }) {
   if (condition.halt !== undefined) return reset(condition.halt, robot, hand, operator);
   if (condition.name === "other" && robot.lease !== null) return { next: "lease-button", minor: [], words: askWords(holderWords(robot.lease, operator), act) };
   if (act?.action === "take" && isSilent(hand)) return nothing(LOCAL_SILENT);
   if (act?.action === "take") return { next: "lease-button", minor: [], words: "No operator has the robot: take it." };
   if (seat.late) return { next: held ? "hold" : null, minor: ["disengage"], words: "This page's reports come late: close other programs here, then let go and begin again." };
   const handOver = act === null ? [] : ["lease-button"];
-  if (robot.state === "disengaged") return disengaged(robot, { held, down, stale }, handOver);
+  const { cure } = handTrouble(robot, clock);
+  if (robot.state === "disengaged") return disengaged(robot, { held, down, stale, cure }, handOver);
   const running = { minor: ["disengage", "clutch", "origins", ...handOver] };
   if (condition.name === "clutched") return { ...running, next: held ? "hold" : "clutch", words: CLUTCH[robot.code] };
-  if (robot.state === "holding") return { ...running, next: held ? "hold" : null, words: holdingWords(robot) };
+  if (robot.state === "holding") return { ...running, next: held ? "hold" : null, words: holdingWords(robot, cure) };
   return { ...running, next: held ? "hold" : null, words: followingWords(condition, held, back) };
 }
 
@@ -131,10 +130,11 @@ function askWords(holder, act) {
   return `To operate yourself, ask ${holder} for the robot.`;
 }
 
-/** @type {(robot: Robot) => string} */
-function holdingWords({ code }) {
+/** @type {(robot: Robot, cure: string) => string} */
+function holdingWords({ code }, cure) {
   if (OF_THE_HAND.includes(code)) return "Show your hand to the cameras and keep it still: the arm then follows it again.";
-  return "Keep your hand still: the arm then follows it again.";
+  const words = "Keep your hand still: the arm then follows it again.";
+  return cure ? `${words} If it goes on holding: ${cure}` : words;
 }
 
 /** @type {(condition: Condition, held: boolean, back: string) => string} */
@@ -153,12 +153,19 @@ function backWords(limit, back) {
   return limit === "leash" ? `Wait for the arm, or move your hand ${where}.` : `Move your hand ${where}: the arm goes no further.`;
 }
 
-/** @type {(robot: Robot, facts: Pick<Facts, "held" | "down" | "stale">, minor: string[]) => Step} */
-function disengaged({ readiness, code }, { held, down, stale }, minor) {
+/** @type {(robot: Robot, facts: Pick<Facts, "held" | "down" | "stale"> & { cure: string }, minor: string[]) => Step} */
+function disengaged({ readiness, code }, { held, down, stale, cure }, minor) {
   if (readiness.code === "robot_not_ready") return { next: "reset", minor, words: "The robot takes no commands: reset it." };
   if (readiness.code in CLUTCH) return { next: "clutch", minor, words: BEFORE_CLUTCH[readiness.code] };
-  if (!readiness.ready) return { next: held ? "hold" : "engage", waits: true, minor, words: `Not ready: ${ended(readiness.reason)} ${CURES[readiness.code] ?? ""}`.trim() };
+  if (!readiness.ready) return { next: held ? "hold" : "engage", waits: true, minor, words: notReady(readiness, cure) };
   const first = held && (down || code === "let_go_first") ? "Let go first. " : "";
   const words = stale ? `Wait for live pictures, or ${held ? "hold" : "engage"} only if you see the arm itself.` : READY[held ? "hold" : "engage"];
   return { next: held ? "hold" : "engage", minor, words: `${first}${words}` };
+}
+
+/** @type {(readiness: Robot["readiness"], cure: string) => string} */
+function notReady({ code, reason }, cure) {
+  const words = `Not ready: ${ended(reason)}`;
+  if (code !== "link_too_slow") return words;
+  return `${words} ${cure ? `To mend it, ${cure}` : "Take a quicker way: a cable instead of Wi-Fi, no VPN."}`;
 }

@@ -1,5 +1,10 @@
 """No password of a camera's URL is shown: not in errors, findings, reports, or what viewers see."""
 
+import subprocess
+import sys
+
+import cv2
+import numpy as np
 import pytest
 
 from common.cameras.live import LiveCamera
@@ -90,3 +95,35 @@ def test_the_doctor_and_the_setup_show_no_password():
     person = ScriptedPerson({})
     assert try_cameras([NOBODY], lambda source, name, _: open_camera(source, name), person) == {}
     assert "s3cret" not in str(vars(person))
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "rtsp://anna:s3cret%2F@127.0.0.1:1/x",
+        "http://anna:s3cret%40@127.0.0.1:1/x.jpg",
+        "http://anna:s3cret@127.0.0.1:1/x_0001.jpg",
+        "http:/anna:s3cret%2F@127.0.0.1:1/x",
+        "77",
+    ],
+)
+def test_no_library_prints_a_source_that_cannot_be_opened(source):
+    """With a percent sign it is a pattern of numbered pictures to OpenCV, which printed it to the log, and again."""
+    script = "import sys; from common.cameras.sources import open_camera; open_camera(sys.argv[1], 'left')"
+    ended = subprocess.run([sys.executable, "-c", script, source], capture_output=True, text=True, check=False)
+    assert "s3cret" not in ended.stdout + ended.stderr.replace(repr(source), "")
+    assert "WARN" not in ended.stderr
+    assert ended.stderr.splitlines()[-1].startswith("common.errors.CameraError: camera left: ")
+
+
+def test_a_stream_is_read_through_ffmpeg(tmp_path):
+    film = tmp_path / "film.avi"
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 30.0, (64, 48))
+    for _ in range(40):
+        writer.write(np.full((48, 64, 3), 99, np.uint8))
+    writer.release()
+    camera = LiveCamera(f"file://{film}", "left", CameraSettings())
+    frame = camera.read()
+    assert frame is not None
+    assert abs(int(frame.image[10, 10, 0]) - 99) < 4
+    camera.close()

@@ -22,6 +22,7 @@ def figures(engagements, mean):
         "stopped": None,
         "followed_share": 0.973,
         "too_slow": None,
+        "slow_views": None,
         "capture_to_command_ms": {"p50": 13.2},
     }
 
@@ -75,6 +76,9 @@ def test_the_last_line_says_good_or_too_slow(run, capsys):
     assert capsys.readouterr().out == (
         "good: the arm followed for 97.3% of the time, 4.4 mm off the hand, 13 ms from exposure to command\n"
     )
+    few = "but it was too slow for the views: side 4 of 30 pictures a second"
+    run(figures(1, 4.44) | {"slow_views": few}, seconds=30.0, interrupted=False)
+    assert capsys.readouterr().out.endswith(f"from exposure to command; {few}\n")
     run(figures(1, 4.44) | {"too_slow": SLOW}, seconds=30.0, interrupted=False)
     assert capsys.readouterr().out == f"{SLOW}\n"
 

@@ -6,7 +6,7 @@ import pytest
 
 from common.messages.robot import HandLink, RobotState, SessionState
 from farhand.loopback.recorder import Record
-from farhand.loopback.verdict import too_slow
+from farhand.loopback.verdict import slow_views, too_slow
 from tests.farhand.loopback.test_figures import hand, state
 
 FPS = 30.0
@@ -73,3 +73,16 @@ def test_a_machine_that_did_not_even_start_the_sites_is_told_by_its_simulator_al
 )
 def test_it_is_not_blamed_for_anything_else(record: Record, warnings: list[str]) -> None:
     assert too_slow(record, FPS, warnings) is None
+
+
+def test_views_that_came_rarely_or_late_are_told_with_rate_and_age() -> None:
+    def view(fps: float, age_ms: float | None) -> dict[str, object]:
+        return {"fps": fps, "glass_to_glass_ms": {"p50": age_ms, "p95": age_ms}, "not_live": 0}
+
+    good = {"side": view(15.0, 300.0), "gripper": view(30.0, 20.0), "never_seen": view(0.0, None)}
+    assert slow_views(good, FPS) is None
+    told = slow_views(good | {"front_high": view(4.4, 249.0), "front_low": view(29.0, 301.0)}, FPS)
+    assert told == (
+        "but it was too slow for pictures of the cell: front high 4 of 30 a second, 249 ms old; front low 29 of 30 a "
+        "second, 301 ms old. End what else runs on this machine"
+    )

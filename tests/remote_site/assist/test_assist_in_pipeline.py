@@ -91,7 +91,7 @@ def largest_step(targets):
 
 def test_the_offer_says_what_it_will_do_before_it_does_it():
     loop = offered()
-    assert loop.assist.reason == "hold A: the tool will move 39 mm and 10 deg to grasp 'block'"
+    assert loop.assist.reason == "hold Assist: the tool will move 39 mm and 10 deg to grasp 'block'"
     assert loop.assist.target.base_T_tool.transform() == pytest.approx(loop.goal, abs=1e-6)
     assert loop.miss()[0] > 38
 

@@ -13,7 +13,7 @@ from remote_site.assist.detection import FoundMarkers, MarkerDetector
 from remote_site.assist.families import MarkerFamily
 from remote_site.assist.marker_watch import FRESH_NS, MarkerWatch
 from remote_site.reasons import Code
-from remote_site.video.marker_look import BUDGET_NS, LOOK_NS, MarkerLook
+from remote_site.video.marker_look import BUDGET_NS, LOOK_NS, REST, MarkerLook
 from tests.present import present
 from tests.remote_site.assist.marker_pictures import FRONT, calibration
 
@@ -23,6 +23,7 @@ SIZE = (720, 960)
 TRUE = 7  # the marker beside the sheet
 SIXTEEN = tuple(range(16))  # as many as a configuration may name
 FIT_NS = 10 * NS_PER_MS
+LOOKS_NS = (1 + REST) * (BUDGET_NS + FIT_NS)  # from one look of a view to the next, where each uses up its time
 VIEWS = {name: calibration(position) for name, position in FRONT.items()}
 SQUARE = np.array([(30, 30), (90, 30), (90, 90), (30, 90)], dtype=float)
 TARGETS = tuple(
@@ -117,11 +118,30 @@ def test_a_look_ends_in_time_and_the_next_ones_of_the_view_begin_with_what_it_le
     for k in range(1, 9):
         for view in VIEWS:
             before = len(areas)
-            look.see(view, Frame(picture, k * LOOK_NS, k), k * LOOK_NS)
+            look.see(view, Frame(picture, k * LOOKS_NS, k), k * LOOKS_NS)
             assert len(areas) - before <= BUDGET_NS // FIT_NS + 1
         codes.append({sighting.marker: sighting.refusal.code for sighting in published[-1]})
     assert set(codes[0].values()) == {Code.MARKER_CROWDED, Code.MARKER_DOUBLED}
     assert {marker for each in codes for marker, code in each.items() if code is Code.MARKER_DOUBLED} == set(SIXTEEN)
+
+
+@pytest.mark.parametrize(("took_ms", "looks"), [(5, 20), (200, 3)])
+def test_looks_at_a_view_take_a_fifth_of_the_time_at_most(monkeypatch, took_ms, looks):
+    """The search alone may take longer than a look has: of a large picture full of markers, or of what is like them."""
+    clock, picture = FakeClock(), np.full(SIZE, 255, np.uint8)
+    search = MarkerDetector.find
+
+    def slow(*given, **named):
+        clock.advance_ms(took_ms)
+        looked.append(clock.now_ns())
+        return search(*given, **named)
+
+    looked = list[int]()
+    monkeypatch.setattr(MarkerDetector, "find", slow)
+    look = MarkerLook(AssistConfig(targets=TARGETS), VIEWS, lambda _t_ns: None, list[Any]().append, clock)
+    for k in range(20):
+        look.see(next(iter(VIEWS)), Frame(picture, k * LOOK_NS, k), k * LOOK_NS)
+    assert len(looked) == looks
 
 
 def test_what_is_not_reached_is_as_before_while_that_is_fresh_and_then_refused():

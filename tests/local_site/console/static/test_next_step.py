@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from common.clock import NS_PER_S
-from common.messages.robot import Asker, LeaseState, Pose, Readiness, SessionState
+from common.messages.robot import Asker, HandLink, LeaseState, Pose, Readiness, SessionState
 from lab.measure.page import scene
 from local_site.console.model.seat import Visitor
 from remote_site.session.fault_latch import EMERGENCY_STOP
@@ -130,6 +130,23 @@ def test_why_it_is_disengaged_is_said_once() -> None:
     shown = said(disengaged(code="latched", reason=late, readiness=slow))
     assert shown.sentence == f"newest hand sample is 507 ms old (limit 500 ms) · {slow.reason}"
     assert shown.step == f"Not ready: {slow.reason}. Take a quicker way: a cable instead of Wi-Fi, no VPN."
+    link = HandLink(
+        age_ms=486.0,
+        network_ms=421.0,
+        clock_ms=28.0,
+        tracking_ms=37.0,
+        interval_ms=33.0,
+        jitter_ms=4.0,
+        loss=0.0,
+        code="samples_old",
+        reason="hand samples are too old: 486 ms at arrival; the limit is 500 ms; network 421 ms. Cure: swim; or walk",
+    )
+    linked = said(disengaged(code="latched", reason=late, readiness=slow, hand_link=link))
+    assert linked.sentence == shown.sentence  # its age is said already
+    assert linked.step == f"Not ready: {slow.reason}. To mend it, swim."
+    held = said(replace(FOLLOWS(), state=SessionState.HOLDING, code="stale", reason="late", hand_link=link))
+    assert held.sentence == "hand samples are too old: 486 ms at arrival (limit 100 ms)"
+    assert held.step == "Keep your hand still: the arm then follows it again. If it goes on holding: swim."
 
 
 def test_only_who_may_reset_is_told_to() -> None:
