@@ -92,7 +92,7 @@ def test_mirrored_joints_have_mirrored_frames() -> None:
     for _ in range(2000):
         target, joint = (tuple((rng.uniform(-1, 1, 3) * (0.2, 3.0, 3.0)).tolist()) for _ in range(2))
         frame = frame_of(target, joint, limits)
-        mirrored = frame_of(tuple(-v for v in target), tuple(-v for v in joint), limits)  # type: ignore[arg-type]
+        mirrored = frame_of(tuple(-v for v in target), tuple(-v for v in joint), limits)
         expected = (-frame.position, -frame.velocity, -frame.acceleration, -frame.lowest, -frame.highest)
         assert mirrored == pytest.approx(expected)
 
