@@ -4,9 +4,14 @@ GUARD = "remote_site/safety/guard.py"
 CLEARANCE = "remote_site/safety/clearance.py"
 QUICKER = "a shortcut: what it decides is decided the same without it, only later"
 STRICT = "all of the sequences have as many entries, so strict never acts"
+AT_THE_BOUND = "exactly at the bound, to the last bit, it may count as either"
 TARGET = "remote_site/teleop/tool_target.py"
 INVERSE, ASSIST = "remote_site/kinematics/inverse.py", "remote_site/assist"
-TRACKER = "remote_site/motion/target_tracker.py"
+TRACKER, PREDICTOR = "remote_site/motion/target_tracker.py", "remote_site/motion/target_predictor.py"
+FAR = (
+    "(fastest ** 2 / limits.acceleration + fastest * limits.acceleration / limits.jerk)"  # of a joint, from its limits
+)
+NEARLY = "abs(t - t_ns) < width * NS_PER_S"
 
 EXPLAINED = {
     f"{GUARD}:spans: True -> False": "both sequences have a joint's entry each, so strict never acts",
@@ -22,15 +27,30 @@ EXPLAINED = {
     "1e-9, to the last bit, may count as either",
     "remote_site/safety/collision_avoidance.py:_beside: True -> False": STRICT,
     "remote_site/safety/workspace_box.py:_extents: True -> False": STRICT,
-    "remote_site/motion/jerk_limited.py:track: self._ruckig.reset() -> pass": "Ruckig goes on with a plan whose motion "
-    "is what it said last: the same as planned anew",
+    "remote_site/motion/jerk_limited.py:_failure: self._ruckig.reset() -> pass": "Ruckig goes on with a plan whose "
+    "motion is what it said last: the same as planned anew",
     "remote_site/motion/jerk_limited.py:_axes: True -> False": STRICT,
     "remote_site/motion/jerk_limited.py:_plan_from: True -> False": STRICT,
-    "remote_site/motion/target_predictor.py:effort: True -> False": STRICT,
+    f"{PREDICTOR}:effort: True -> False": STRICT,
     f"{TARGET}:_reaches: True -> False": STRICT,
     f"{TARGET}:_reaches: way <= max(before, limit) + EXACT -> way < max(before, limit) + EXACT": "a "
     "way of exactly a nanometre more, to the last bit, may count as either",
     "remote_site/motion/planner.py:__init__: 1.0 -> 2.0": "whoever follows resets first, which sets it",
+    "remote_site/motion/planner.py:__init__: False -> True": "whoever follows resets first, which sets it",
+    "remote_site/motion/estimator.py:__init__: self.reset(0, []) -> pass": "whoever aims resets first, which sets it",
+    "common/mapping/rotation_mapping.py:__init__: 3 -> 4": "all are free, so that it is not looked at which",
+    "remote_site/motion/catch_up.py:update_slow_part: True -> False": STRICT,
+    "remote_site/motion/catch_up.py:remaining: 0 -> 1": "in a nanosecond nothing decays",
+    f"{PREDICTOR}:_converging: 0 -> 1": "in a nanosecond nothing decays",
+    f"{PREDICTOR}:__init__: True -> False": STRICT,
+    f"{PREDICTOR}:__init__: {FAR} / 2 -> {FAR} * 2": QUICKER,
+    f"{PREDICTOR}:convergence: away > NOTHING -> away >= NOTHING": AT_THE_BOUND,
+    "remote_site/motion/tool_shift.py:stretch: det > NOTHING ** 2 -> det >= NOTHING ** 2": AT_THE_BOUND,
+    "remote_site/motion/delayed_target.py:_near: self.pace >= RESTS -> self.pace > RESTS": AT_THE_BOUND,
+    "remote_site/motion/delayed_target.py:_near: 1.0 -> 2.0": "a target given up on is at the hand's own pace anyway",
+    f"remote_site/motion/target_path.py:_averaged: {NEARLY} -> {NEARLY.replace('<', '<=')}": "a sample at the width "
+    "itself weighs nothing",
+    "remote_site/motion/waiting_target.py:reset: 1 -> 2": "nothing is added while the rate is 0",
     f"{TRACKER}:__init__: self._solved_ns = 0 -> pass": "whoever aims resets first, which sets it",
     f"{TRACKER}:__init__: 0 -> 1": "whoever aims resets first, which sets it",
     f"{TRACKER}:__init__: 6 -> 7": "whoever solves resets it first, which sets it",

@@ -1,0 +1,147 @@
+"""Small changes at the edges of what moves the arm, which no other test notices: each makes a test here fail."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from common.clock import NS_PER_S
+from common.messages.requests import EngagementAction
+from common.messages.robot import AssistPhase, SessionState
+from remote_site.kinematics.limits import TARGET_SPEED, stoppable
+from remote_site.motion.joint_path import JointPath
+from remote_site.motion.moving_frame import AxisLimits, frame_of
+from remote_site.motion.planner import MotionPlanner
+from remote_site.motion.target_path import TargetPath
+from remote_site.motion.target_predictor import JointBounds
+from remote_site.motion.tool_shift import fastest_alone
+from remote_site.reasons import Code
+from remote_site.teleop.hold_offset import SLOW_FRACTION, shortened
+from remote_site.teleop.tool_target import ToolTarget
+from tests.present import present
+from tests.remote_site.assist.sightings import PRESSED
+from tests.remote_site.assist.test_assist_in_pipeline import AssistLoop
+from tests.remote_site.remote_loop import RemoteLoop, arm
+
+MODEL, LIMITS = arm()
+DT = 0.004
+
+
+def still(_t_ns: int) -> tuple[float, float, float]:
+    return (0.0, 0.0, 0.3)
+
+
+def swinging(t_ns: int) -> tuple[float, float, float]:
+    return (0.04 * math.sin(4.0 * t_ns / NS_PER_S), 0.0, 0.3)
+
+
+def test_an_offset_is_shortened_more_slowly_towards_its_end_and_ends() -> None:
+    half = np.array([0.5 * SLOW_FRACTION, 0.0, 0.0])
+    assert shortened(half, 0.02)[0] == pytest.approx(half[0] - 0.01)
+    assert shortened(np.array([1e-3, 0.0, 0.0]), 0.02).tolist() == [0.0, 0.0, 0.0]
+    assert shortened(np.zeros(3), 0.0).tolist() == [0.0, 0.0, 0.0]
+
+
+def test_the_planner_is_told_in_which_ticks_a_sample_came(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[bool] = []
+    follow = MotionPlanner.follow
+
+    def noted(self: MotionPlanner, *given: Any, aimed: bool) -> Any:
+        told.append(aimed)
+        return follow(self, *given, aimed=aimed)
+
+    loop = RemoteLoop()
+    loop.run(8 * 31, still)
+    monkeypatch.setattr(MotionPlanner, "follow", noted)
+    loop.run(80, swinging)
+    assert len(told) == 80
+    assert sum(told) == 10  # a sample each eight ticks
+
+
+def test_the_arm_is_ready_again_once_it_was_sent_to_rest_and_not_sooner() -> None:
+    loop = RemoteLoop()
+    loop.run(8 * 60, swinging)
+    loop.ask(EngagementAction.DISENGAGE)
+    moving = []
+    for _ in range(200):
+        loop.run(1, swinging)
+        moving.append((loop.snapshot.readiness.reason.code == Code.MOVING, not loop.sent.resting))
+    assert any(rests for _, rests in moving)
+    assert all(told == true for told, true in moving)
+
+
+def test_a_new_engagement_after_an_assist_takes_its_origins_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    loop = AssistLoop()
+    loop.go(2.5)
+    loop.go(0.5, PRESSED)
+    assert present(loop.snapshot.assist).phase is AssistPhase.LEADING
+    loop.ask(EngagementAction.DISENGAGE)
+    loop.go(1.0)
+    taken: list[object] = []
+    monkeypatch.setattr(ToolTarget, "rebase", lambda *given: taken.append(given))
+    assert loop.ask(EngagementAction.ENGAGE).done
+    loop.go(0.5)
+    assert loop.snapshot.state is SessionState.ENGAGED
+    assert taken == []  # it would leave out what the hand did since
+
+
+def test_mirrored_joints_have_mirrored_frames() -> None:
+    rng = np.random.default_rng(1)
+    limits = AxisLimits(3.0, 10.0, 200.0, 0.05)
+    for _ in range(2000):
+        target, joint = (tuple((rng.uniform(-1, 1, 3) * (0.2, 3.0, 3.0)).tolist()) for _ in range(2))
+        frame = frame_of(target, joint, limits)
+        mirrored = frame_of(tuple(-v for v in target), tuple(-v for v in joint), limits)
+        expected = (-frame.position, -frame.velocity, -frame.acceleration, -frame.lowest, -frame.highest)
+        assert mirrored == pytest.approx(expected)
+
+
+def test_a_frame_gains_half_of_the_velocity_that_is_left_before_the_limit() -> None:
+    limits = AxisLimits(3.0, 10.0, 200.0, 0.05)
+    target, joint = (0.0, 1.0, 0.9), (0.0, 2.95, 0.0)  # the joint leaves less than its target
+    assert frame_of(target, joint, limits).acceleration == pytest.approx((3.0 - 2.95) / (2 * 0.05))
+
+
+def test_the_path_goes_over_to_samples_by_the_interval_at_which_they_come() -> None:
+    path = TargetPath(DT)
+    for k in range(100):
+        path.add(k * NS_PER_S // 100, np.zeros(6))
+    for _ in range(100):
+        path.predict(np.ones(6), np.zeros(6))
+    pose, _ = path.at(99 * NS_PER_S // 100, 0.03)
+    assert pose == pytest.approx(np.zeros(6), abs=1e-6)  # three intervals late: of samples alone
+
+
+def test_no_target_has_a_velocity_from_which_its_joint_cannot_stop() -> None:
+    bounds, fastest = JointBounds(MODEL, LIMITS, 8.0), TARGET_SPEED * LIMITS.velocity
+    for share in np.linspace(0.0, 1.0, 401).tolist():
+        q = LIMITS.lower + share * (LIMITS.upper - LIMITS.lower)
+        for side in (-1.0, 1.0):
+            _, dq = bounds.clamp(q.tolist(), (2 * side * fastest).tolist())
+            room = LIMITS.upper - q if side > 0 else q - LIMITS.lower
+            joints = zip(room, LIMITS.acceleration, LIMITS.jerk, strict=True)
+            most = np.minimum(fastest, [stoppable(float(ahead), float(a), float(j)) for ahead, a, j in joints])
+            assert side * np.array(dq) == pytest.approx(most)
+
+
+def test_the_fastest_that_one_joint_moves_the_tool_is_its_own_speed_over_all_axes() -> None:
+    assert fastest_alone(np.array([[3.0, 0.0], [4.0, 0.0], [0.0, 1.0]])) == pytest.approx(5.0)
+
+
+def test_a_knot_has_the_speed_of_the_tool_and_no_turn_in_it() -> None:
+    q = np.radians([0.0, 20.0, -60.0, 0.0, -45.0, 0.0])
+    path = JointPath(MODEL, LIMITS)
+    path.begin(q, 0, 0.0, np.zeros(6), 0.0)
+    knot = path.straight_on(q + 0.01, NS_PER_S // 30)
+    twist = MODEL.jacobian(q + 0.01) @ knot.chord
+    assert knot.tool == pytest.approx((np.linalg.norm(twist[:3]), np.linalg.norm(twist[3:])))
+
+
+def test_of_two_solutions_for_one_time_the_first_counts() -> None:
+    q = np.radians([0.0, 20.0, -60.0, 0.0, -45.0, 0.0])
+    path = JointPath(MODEL, LIMITS)
+    path.begin(q, 0, 0.0, np.zeros(6), 0.0)
+    path.add(q + 0.01, NS_PER_S // 30)
+    path.add(q + 0.02, NS_PER_S // 30)
+    assert len(path.knots) == 2
