@@ -5,6 +5,7 @@
 cells      how many cells one router carries: age and fraction of hands and pictures, processor time and memory
 control    what a control tick costs, from decoding to writing, beside Pink's inverse kinematics on the same targets
 endurance  an hour of both sites with recorder, viewers and a page: memory, descriptors and threads of each process
+fluency    ten minutes of the operator's page: its slowest and latest ten seconds; what it takes without pictures
 fuzz       a million hostile payloads for the codec: the reasons of the refusals, payloads per second, growth of memory
 load       processor time with both sites and the page open, by process and stage, and the demonstration's share
 monocular  the monocular tracker: error against the number of points per link, and time per frame
@@ -34,6 +35,7 @@ from rich.table import Table
 
 from lab.measure import cells, endurance, fuzz, load, rendering
 from lab.measure.control import tick as control
+from lab.measure.page import fluency
 from lab.measure.page import page_bench as page
 from lab.measure.recording import recording_bench as recording
 from lab.measure.soak import worst_commands as soak
@@ -48,6 +50,7 @@ BENCHMARKS: dict[str, Callable[[], dict[str, float]]] = {
     "cells": cells.measure,
     "control": control.measure,
     "endurance": endurance.measure,
+    "fluency": fluency.measure,
     "fuzz": fuzz.measure,
     "load": load.measure,
     "monocular": monocular.measure,
