@@ -32,7 +32,8 @@ def replay(browser: object, tmp_path_factory: pytest.TempPathFactory) -> Iterato
 def instructed(at_s: float) -> dict[str, Any]:
     """What an operator was told to do: before the engagement, and later by a recorder, a link and other settings."""
     to_do = Readiness(False, "let_go_first", LET_GO, True)
-    said = {"reason": "stopped by anna; reset it, then engage", "readiness": to_do} if at_s < ENGAGED_S else {}
+    stopped = {"code": "stopped", "reason": "stopped by anna; reset it, then engage", "readiness": to_do}
+    said = stopped if at_s < ENGAGED_S else {}
     alarm = msgspec.structs.replace(golden.RECORDING, alarm="recording has ended: free some space, and start it again")
     narrow = VideoLink(carries_mbit_s=3.5, needs_mbit_s=20.0, reason="the link carries 3.5 Mbit/s. Cure: a wider link")
     late = msgspec.structs.replace(
