@@ -9,6 +9,9 @@ import pytest
 from common.clock import NS_PER_S
 from common.messages.requests import EngagementAction
 from common.messages.robot import AssistPhase, SessionState
+from remote_site.kinematics.config import SingularityConfig, SolverConfig
+from remote_site.kinematics.dexterity import Dexterity
+from remote_site.kinematics.differential import ACCELERATE, DifferentialInverse, Move
 from remote_site.kinematics.limits import TARGET_SPEED, stoppable
 from remote_site.motion.joint_path import JointPath
 from remote_site.motion.moving_frame import AxisLimits, frame_of
@@ -26,6 +29,7 @@ from tests.remote_site.remote_loop import RemoteLoop, arm
 
 MODEL, LIMITS = arm()
 DT = 0.004
+BENT = np.radians([0.0, 20.0, -60.0, 0.0, -45.0, 0.0])
 
 
 def still(_t_ns: int) -> tuple[float, float, float]:
@@ -130,8 +134,7 @@ def test_the_fastest_that_one_joint_moves_the_tool_is_its_own_speed_over_all_axe
 
 
 def test_a_knot_has_the_speed_of_the_tool_and_no_turn_in_it() -> None:
-    q = np.radians([0.0, 20.0, -60.0, 0.0, -45.0, 0.0])
-    path = JointPath(MODEL, LIMITS)
+    path, q = JointPath(MODEL, LIMITS), BENT
     path.begin(q, 0, 0.0, np.zeros(6), 0.0)
     knot = path.straight_on(q + 0.01, NS_PER_S // 30)
     twist = MODEL.jacobian(q + 0.01) @ knot.chord
@@ -139,9 +142,22 @@ def test_a_knot_has_the_speed_of_the_tool_and_no_turn_in_it() -> None:
 
 
 def test_of_two_solutions_for_one_time_the_first_counts() -> None:
-    q = np.radians([0.0, 20.0, -60.0, 0.0, -45.0, 0.0])
-    path = JointPath(MODEL, LIMITS)
+    path, q = JointPath(MODEL, LIMITS), BENT
     path.begin(q, 0, 0.0, np.zeros(6), 0.0)
     path.add(q + 0.01, NS_PER_S // 30)
     path.add(q + 0.02, NS_PER_S // 30)
     assert len(path.knots) == 2
+
+
+def test_of_a_stretched_arm_the_condition_is_infinite() -> None:
+    dexterity = Dexterity(MODEL, SingularityConfig())
+    assert dexterity.condition(np.zeros(6)) == math.inf
+    assert dexterity.condition(BENT) < 100.0
+
+
+def test_the_general_solver_changes_no_joint_faster_than_it_can_accelerate() -> None:
+    inverse = DifferentialInverse(MODEL, LIMITS, SolverConfig(), SingularityConfig(), BENT)
+    target = MODEL.forward(BENT)
+    target[:3, 3] += (0.0, 0.3, 0.0)
+    move = inverse.step(Move.at_rest(BENT), target, np.zeros(6), 1.0, DT, None)
+    assert np.max(np.abs(move.dq) / LIMITS.acceleration) == pytest.approx(ACCELERATE * DT)
