@@ -12,6 +12,7 @@ from common.messages.robot import AssistPhase, SessionState
 from remote_site.kinematics.config import SingularityConfig, SolverConfig
 from remote_site.kinematics.dexterity import Dexterity
 from remote_site.kinematics.differential import ACCELERATE, DifferentialInverse, Move
+from remote_site.kinematics.inverse import Solution, SphericalWristInverse
 from remote_site.kinematics.limits import TARGET_SPEED, stoppable
 from remote_site.motion.joint_path import JointPath
 from remote_site.motion.moving_frame import AxisLimits, frame_of
@@ -161,3 +162,12 @@ def test_the_general_solver_changes_no_joint_faster_than_it_can_accelerate() -> 
     target[:3, 3] += (0.0, 0.3, 0.0)
     move = inverse.step(Move.at_rest(BENT), target, np.zeros(6), 1.0, DT, None)
     assert np.max(np.abs(move.dq) / LIMITS.acceleration) == pytest.approx(ACCELERATE * DT)
+
+
+def test_where_the_wrist_is_nearly_straight_joint_4_goes_to_the_goal_nearer_to_its_middle() -> None:
+    """From 100 deg, 180 deg would be nearer than 0; from there it would be at its end."""
+    straight = np.radians([0.0, 20.0, -60.0, 100.0, 11.0, 0.0])
+    goal = straight + np.radians([0.0, 0.0, 0.0, 75.0, 0.0, 0.0])
+    found = SphericalWristInverse(MODEL, LIMITS).nearest(MODEL.forward(goal), straight)
+    assert isinstance(found, Solution)
+    assert found.q[3] < straight[3]
