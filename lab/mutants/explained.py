@@ -62,7 +62,7 @@ EXPLAINED = {
     "count as either",
     f"{INVERSE}:_out_of_reach: distance >= self._least -> distance > self._least": "a wrist at exactly the least "
     "distance, to the last bit, may be told either reason",
-    f"{INVERSE}:_roll: here + turn -> here - turn": "joint 4 then counts as not there, and the arm makes up for nothing",
+    f"{INVERSE}:_roll: here + turn -> here - turn": "joint 4 counts as not there, and the arm makes up for nothing",
     f"{INVERSE}:verify: 2.0 -> 3.0": "other postures: all eight solutions of each are compared, all over the range",
     "remote_site/kinematics/upright_arm.py:joints: True -> False": STRICT,
     f"{ASSIST}/assist.py:__init__: self._ended_ns = 0 -> pass": "it is read once a lead has ended, which sets it",
