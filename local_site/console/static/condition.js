@@ -63,8 +63,8 @@ export function isAnothers(lease, operator) {
   return lease !== null && !lease.ours && (lease.holder !== operator || lease.local_known);
 }
 
-/** Who holds the lease; of two sites under one name, which.
- * @type {(lease: Lease, operator: string) => string} */
+/** Who holds the lease, or asks for it; of two sites under one name, which.
+ * @type {(lease: Pick<Lease, "holder" | "words">, operator: string) => string} */
 export const holderWords = ({ holder, words }, operator) => (holder === operator ? words : holder);
 
 /** @type {(name: string, robot: Robot, situation: Situation, whose: Whose) => Condition} */

@@ -23,7 +23,9 @@ export function leaseAct(lease, operator) {
   if (lease === null) return { action: "take", words: "Take the robot" };
   const asker = lease.asked_by;
   if (lease.ours) {
-    return asker === null ? null : { action: "give", to: { name: asker.name, session: asker.session }, words: `Hand over to ${asker.name === operator ? asker.words : asker.name}` };
+    if (asker === null) return null;
+    const { name, session, words } = asker;
+    return { action: "give", to: { name, session }, words: `Hand over to ${holderWords({ holder: name, words }, operator)}` };
   }
   const isAsked = asker?.name === operator;
   return { action: "take", isAsked, words: isAsked ? "Ask again" : `Ask ${holderWords(lease, operator)} for it` };

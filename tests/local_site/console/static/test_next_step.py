@@ -5,13 +5,15 @@ from functools import partial
 import pytest
 from msgspec.structs import replace
 
+import tests.common.messages.golden_examples as golden
 from common.clock import NS_PER_S
-from common.messages.robot import Asker, HandLink, LeaseState, Pose, Readiness, SessionState
+from common.messages.robot import Asker, LeaseState, Pose, Readiness, SessionState
 from lab.measure.page import scene
 from local_site.console.model.seat import Visitor
 from remote_site.session.fault_latch import EMERGENCY_STOP
 from remote_site.session.halts import Halts
 from tests.local_site.console.static.said import FOLLOWS, OPERATOR, READY, anothers, halted, said
+from tests.present import present
 
 ENDED = "the robot's driver has ended"
 HERE, THERE = Visitor(1, "127.0.0.1"), Visitor(2, "10.0.0.7")
@@ -130,17 +132,8 @@ def test_why_it_is_disengaged_is_said_once() -> None:
     shown = said(disengaged(code="latched", reason=late, readiness=slow))
     assert shown.sentence == f"newest hand sample is 507 ms old (limit 500 ms) · {slow.reason}"
     assert shown.step == f"Not ready: {slow.reason}. Take a quicker way: a cable instead of Wi-Fi, no VPN."
-    link = HandLink(
-        age_ms=486.0,
-        network_ms=421.0,
-        clock_ms=28.0,
-        tracking_ms=37.0,
-        interval_ms=33.0,
-        jitter_ms=4.0,
-        loss=0.0,
-        code="samples_old",
-        reason="hand samples are too old: 486 ms at arrival; the limit is 500 ms; network 421 ms. Cure: swim; or walk",
-    )
+    told = "hand samples are too old: 486 ms at arrival; the limit is 500 ms; network 421 ms. Cure: swim; or walk"
+    link = replace(present(golden.STATE.hand_link), age_ms=486.0, code="samples_old", reason=told)
     linked = said(disengaged(code="latched", reason=late, readiness=slow, hand_link=link))
     assert linked.sentence == shown.sentence  # its age is said already
     assert linked.step == f"Not ready: {slow.reason}. To mend it, swim."
