@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import msgspec
 
-from common.clock import NS_PER_MS, ClockEstimate, ClockOffset
+from common.clock import ClockEstimate, ClockOffset
 from common.host_clock import MonotonicClock
 from common.messages.hand import HandArm, OperatorSettings
 from common.messages.recording import RecordingNotice
@@ -28,7 +28,6 @@ from local_site.console.page import OpenPages, Page
 
 OWN_CLOCK = ClockOffset(0, 0)
 HOST_CLOCK = MonotonicClock()
-LEAST_TOOLS_NS = 50 * NS_PER_MS
 
 
 class CellClock(Protocol):
@@ -90,7 +89,6 @@ class Hub:
         self._key_frames = key_frames
         self._newest = NewestMessages()
         self._sent = SentTarget()
-        self._tools_ns = 0
         self._cell: Description | None = None
         self._pages = OpenPages(watched)
 
@@ -129,10 +127,8 @@ class Hub:
 
     def hand(self, hand: HandArm) -> None:
         """A hand sample has come."""
-        now_ns = self._clock.now_ns()
-        self._newest = replace(self._newest, hand=hand, hand_ns=now_ns)
+        self._newest = replace(self._newest, hand=hand, hand_ns=self._clock.now_ns())
         self._sent.add_hand(hand)
-        self._send_tools(now_ns)
 
     def recording(self, notice: RecordingNotice) -> None:
         """The recorder of the operator's side has reported what it does."""
@@ -165,7 +161,7 @@ class Hub:
         self._history.note_change("refused", "fault", sentence, self._clock.now_ns())
 
     def send_situation(self) -> None:
-        """Send the situation to every page."""
+        """Send every page the situation, and before it the tools: together, so that the browser draws both at once."""
         now_ns = self._clock.now_ns()
         clock = self._watch.estimate(now_ns), self._watch.round_trip_ms
         self._latencies.add_clock(*clock, now_ns)
@@ -175,10 +171,10 @@ class Hub:
             return
         seat, settings = self._handler.seat, self._handler.settings
         situation = situation_json(now_ns, self._newest, *clock, seat, settings, self._latencies, self._history)
+        tools = self._tools(now_ns)
         for page in self._pages:
+            page.newest("tools", tools)
             page.newest("situation", situation)
-        if now_ns - self._tools_ns > LEAST_TOOLS_NS:  # no hand samples come
-            self._send_tools(now_ns)
 
     def tell(self, kind: str, text: str) -> None:
         """Send every page the newest of another kind, as JSON."""
@@ -187,22 +183,17 @@ class Hub:
 
     def begin_again(self, latencies: Latencies, history: History) -> None:
         """Forget what has come: the time has jumped."""
-        self._newest, self._sent, self._tools_ns = NewestMessages(), SentTarget(), 0
+        self._newest, self._sent = NewestMessages(), SentTarget()
         self._latencies, self._history = latencies, history
         if self._cell is not None:
             self._sent.describe(self._cell)
 
-    def _send_tools(self, now_ns: int) -> None:
-        """Send every page where the tool is, and where it has been sent."""
-        self._tools_ns = now_ns
-        if not self._pages:
-            return
+    def _tools(self, now_ns: int) -> str:
+        """Where the tool is, and where it has been sent."""
         known = self._watch.estimate(now_ns)
         remote = known.offset if known is not None else None
         sent = self._sent.base_T_tool(now_ns, remote)
-        tools = tools_json(self._newest.state, self._newest.hand, sent, self._sent.wanted, remote)
-        for page in self._pages:
-            page.newest("tools", tools)
+        return tools_json(self._newest.state, self._newest.hand, sent, self._sent.wanted, remote)
 
     def _introduce(self, page: Page, cell: Description) -> None:
         page.send(type="cell", cell=msgspec.to_builtins(cell))

@@ -7,7 +7,7 @@ import { limitWords } from "./joint_limits.js";
 import { frames, origin, toolOf } from "./kinematics.js";
 import { Orbit } from "./orbit.js";
 import { LastDrawn, sized, tones } from "./surface.js";
-import { READ_MS, put } from "./words.js";
+import { put } from "./words.js";
 
 const STEP = 0.001; // rad and m: less is not seen
 /** @type {(keyof Tone)[]} */
@@ -27,7 +27,6 @@ export class ArmRoom {
   #limit = { name: null, wanted: null };
   /** @type {number | null} */
   #asked = null;
-  #describedMs = -Infinity;
   #last = new LastDrawn(STEP);
 
   constructor() {
@@ -51,11 +50,12 @@ export class ArmRoom {
     this.#robot = robot;
   }
 
-  /** Draw and describe what has changed since the last time. */
-  refresh() {
+  /** Draw what has changed since the last time, and describe it when that can be read.
+   * @type {(isRead: boolean) => void} */
+  refresh(isRead) {
     if (document.hidden) return;
     const robot = this.#shown;
-    if (this.#cell !== null && robot !== null && performance.now() - this.#describedMs >= READ_MS) this.#describe(this.#cell, robot);
+    if (this.#cell !== null && robot !== null && isRead) this.#describe(this.#cell, robot);
     const limit = this.#limit.name === null ? null : this.#limit;
     if (this.#last.differs(robot === null ? null : seenOf(robot), limit)) this.#draw();
   }
@@ -86,7 +86,6 @@ export class ArmRoom {
 
   /** @type {(cell: Cell, robot: Robot) => void} */
   #describe(cell, robot) {
-    this.#describedMs = performance.now();
     const tool = origin(toolOf(frames(cell, robot.q)));
     const words = [limitWords(cell, robot.q), `tool at ${tool.map((v) => (v * 1000).toFixed(0)).join(", ")} mm`];
     if (robot.min_distance !== null) words.push(`nearest obstacle ${(robot.min_distance * 1000).toFixed(0)} mm`);

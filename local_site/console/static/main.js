@@ -66,7 +66,8 @@ new RememberedToggle("type", "l", false, (isLarge) => {
 /** @type {ToolPoses} */
 let tools = NO_TOOLS;
 let toolsMs = -Infinity;
-let figuresMs = -Infinity;
+let lookedMs = -Infinity;
+let readMs = -Infinity;
 /** @type {Situation | null} */
 let newest = null;
 /** @type {number | null} */
@@ -100,17 +101,8 @@ const handlers = {
     controls.describe(message.cell);
   },
   situation: (message) => {
-    mark(document.body, "data-connected", true);
-    const condition = bar.show(message);
-    arm.show(message.robot);
-    const limit = condition.limit ?? null;
-    arm.showLimit(limit);
-    views.showLimit(limit);
-    views.showGhost(message.robot);
-    views.offer(message.robot);
-    views.sayWhatIsMissing(message.hand, replay.isShown);
-    if (!replay.isShown) operate(message, condition);
     newest = message;
+    look();
   },
   tools: (message) => {
     toolsMs = performance.now();
@@ -133,6 +125,37 @@ connection.onChange = (open) => {
   disconnected();
 };
 
+/** Show everything but the pictures: all at once, for each change that the browser draws by itself has it draw the page once more.
+ * Figures change when they can be read. */
+function look() {
+  lookedMs = performance.now();
+  const isRead = lookedMs - readMs >= READ_MS;
+  if (isRead) readMs = lookedMs;
+  if (newest !== null) show(newest, isRead);
+  views.refresh(isRead);
+  arm.refresh(isRead);
+  joints.offer(views.isOneCamera);
+  if (bar.isSilent) disconnected();
+  if (lookedMs - toolsMs > OLD_TOOLS_MS) showTools(NO_TOOLS);
+  stop.refresh();
+  newest = null;
+}
+
+/** @type {(situation: Situation, isRead: boolean) => void} */
+function show(situation, isRead) {
+  mark(document.body, "data-connected", true);
+  const condition = bar.show(situation, isRead);
+  arm.show(situation.robot);
+  const limit = condition.limit ?? null;
+  arm.showLimit(limit);
+  views.showLimit(limit);
+  views.showGhost(situation.robot);
+  views.offer(situation.robot);
+  views.sayWhatIsMissing(situation.hand, replay.isShown);
+  if (!replay.isShown) operate(situation, condition);
+  if (isRead) showFigures(situation);
+}
+
 /** What belongs to a live cell alone: its controls, and what its operator is told to do.
  * @type {(situation: Situation, condition: Condition) => void} */
 function operate(situation, condition) {
@@ -145,8 +168,6 @@ function operate(situation, condition) {
 
 /** @type {(situation: Situation) => void} */
 function showFigures(situation) {
-  figuresMs = performance.now();
-  newest = null;
   events.show(situation);
   latency.show(situation);
   if (replay.isShown) return;
@@ -178,13 +199,7 @@ function disconnected() {
 
 setInterval(beat, BEAT_MS);
 setInterval(() => {
-  views.refresh();
-  arm.refresh();
-  if (newest !== null && performance.now() - figuresMs >= READ_MS) showFigures(newest);
-  joints.offer(views.isOneCamera);
-  if (bar.isSilent) disconnected();
-  if (performance.now() - toolsMs > OLD_TOOLS_MS) showTools(NO_TOOLS);
-  stop.refresh();
+  if (performance.now() - lookedMs >= LOOK_MS) look(); // no situations come
   connection.send({ type: "shown", h264: views.decodesH264, views: views.painted() });
 }, LOOK_MS);
 connection.open();

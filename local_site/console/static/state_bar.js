@@ -5,7 +5,7 @@
 import { conditionOf, lostCondition, saidOf } from "./condition.js";
 import { element } from "./elements.js";
 import { Steady } from "./steady.js";
-import { READ_MS, mark, put } from "./words.js";
+import { mark, put } from "./words.js";
 
 const SILENT_MS = 500;
 
@@ -17,7 +17,6 @@ export class StateBar {
   #cell = element("cell");
   #steady = new Steady();
   #receivedMs = 0;
-  #saidMs = -Infinity;
   #connected = false;
   #said = saidOf(false);
   /** @type {Whose} */
@@ -43,7 +42,7 @@ export class StateBar {
 
   disconnected() {
     this.#connected = false;
-    return this.#show(lostCondition(this.#said));
+    return this.#show(lostCondition(this.#said), true);
   }
 
   /** Whether the console has fallen silent with its connection open. */
@@ -51,20 +50,19 @@ export class StateBar {
     return this.#connected && performance.now() - this.#receivedMs > SILENT_MS;
   }
 
-  /** Show the newest state; the condition that is shown for it.
-   * @type {(situation: Situation) => Condition} */
-  show(situation) {
+  /** Show the newest state; the condition that is shown for it. The same one's words change only when they can be read.
+   * @type {(situation: Situation, isRead: boolean) => Condition} */
+  show(situation, isRead) {
     this.#connected = true;
     this.#receivedMs = performance.now();
-    return this.#show(conditionOf(situation, this.#whose, this.#said));
+    return this.#show(conditionOf(situation, this.#whose, this.#said), isRead);
   }
 
-  /** @type {(newest: Condition) => Condition} */
-  #show(newest) {
+  /** @type {(newest: Condition, isRead: boolean) => Condition} */
+  #show(newest, isRead) {
     const condition = this.#steady.show(newest, performance.now());
     const isSame = this.#state.dataset.state === condition.name;
-    if (isSame && performance.now() - this.#saidMs < READ_MS) return condition; // figures in it change all the time
-    this.#saidMs = performance.now();
+    if (isSame && !isRead) return condition; // figures in it change all the time
     if (!isSame) this.#changed(condition.name);
     mark(this.#state, "data-state", condition.name);
     mark(document.body, "data-tone", condition.tone);

@@ -12,7 +12,7 @@ import { decodedJpeg } from "./jpeg.js";
 import { PictureCanvas, sizeOf } from "./picture_canvas.js";
 import { ViewLabels } from "./view_labels.js";
 import { ViewOverlays } from "./view_overlays.js";
-import { READ_MS, mark as setMark, put } from "./words.js";
+import { mark as setMark, put } from "./words.js";
 
 /** @typedef {Assist & { target: AssistTarget }} Offer */
 /** @typedef {{ seq: number, captureMs: number | null, unsureMs: number, ageMs: number | null, suspendedMs: number }} Newest */
@@ -42,7 +42,6 @@ export class View {
   #overlays = new ViewOverlays();
   #isFresh = false;
   #lateMs = -Infinity;
-  #agedMs = -Infinity;
   /** @type {PictureHeader | null} */
   #header = null;
   /** @type {Newest | null} */
@@ -64,7 +63,7 @@ export class View {
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
     this.element.append(this.#canvas.element, ...this.#overlays.canvases, this.#mark, ...this.#labels.elements);
-    this.refresh();
+    this.refresh(true);
   }
 
   /** The pictures have this shape now: whoever lays them out is told when it is another one.
@@ -188,15 +187,15 @@ export class View {
     return nowMs === null ? null : nowMs + sinceMs;
   }
 
-  /** Mark how current the picture is now. */
-  refresh() {
+  /** Mark how current the picture is now; the figures of it only when they can be read.
+   * @type {(isRead: boolean) => void} */
+  refresh(isRead) {
     const nowMs = performance.now();
     const wasLate = nowMs - this.#lateMs < CALM_MS;
     const { mark, title: judged, words: why, ageMs, isOld, isLate } = judge(this.#newest, this.#header, this.#now(), wasLate);
     if (isLate) this.#lateMs = nowMs;
     const title = mark === "live" && this.#clock.isReplayed ? "recorded" : judged;
-    if (nowMs - this.#agedMs >= READ_MS || mark !== this.element.dataset.mark) {
-      this.#agedMs = nowMs;
+    if (isRead || mark !== this.element.dataset.mark) {
       put(this.#title, title);
       const word = mark === "live" || (isOld && !isLate) ? title : mark;
       const isKnown = ageMs !== null;

@@ -139,8 +139,9 @@ export class Views {
     this.#path = new ToolPath();
   }
 
-  refresh() {
-    for (const view of this.#views.values()) view.refresh();
+  /** @type {(isRead: boolean) => void} */
+  refresh(isRead) {
+    for (const view of this.#views.values()) view.refresh(isRead);
     const [left, right] = this.#previews;
     right.element.hidden = left.isKnown && !right.isKnown; // one camera has all the room
   }
