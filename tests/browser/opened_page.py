@@ -8,9 +8,12 @@ from typing import Any
 PATIENCE_S = 30.0
 READING_MS = 600  # longer than the page takes for what nobody can have read
 FOLLOWING = ("engaged", "limited", "behind", "led")
-STAMPS = (
-    "() => [...document.querySelectorAll('#cameras .view > canvas:first-child')].map((canvas) => canvas.toDataURL())"
-)
+STAMPS = """() => [...document.querySelectorAll('#cameras .picture')].map((picture) => {
+  const { width, height } = picture.getBoundingClientRect();
+  const canvas = Object.assign(document.createElement("canvas"), { width, height });
+  canvas.getContext("2d").drawImage(picture, 0, 0, width, height);
+  return canvas.toDataURL();
+})"""
 
 LAID_OUT = """async ([width, height]) => {
   const frame = () => new Promise(requestAnimationFrame);

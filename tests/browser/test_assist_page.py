@@ -15,7 +15,7 @@ COVERED = "marker 3 is covered, or out of all calibrated views"
 MARKER = transform(np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0]]), np.array([0.596, 0.0, 0.70]))  # towards the cameras
 VIEWS = ("front_high", "front_low")
 DRAWN = """(name) => {
-  const canvas = document.querySelectorAll(`[data-name=${name}] canvas`)[3];
+  const canvas = document.querySelector(`[data-name=${name}] .assist`);
   const { width, height } = canvas;
   const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
   const points = [];

@@ -27,7 +27,7 @@ PROJECTIONS = {
 RING, CROSS = 9, 11  # pixels from the middle at which each symbol has something on all four sides
 MEASURED, SENT = (0x76, 0xBB, 0xFF), (0xFF, 0xD4, 0x79)
 DRAWN = """([name, middle, out]) => {
-  const canvas = document.querySelectorAll(`[data-name=${name}] canvas`)[2];
+  const canvas = document.querySelector(`[data-name=${name}] .tools`);
   const { width, height } = canvas;
   const scale = Math.min(width / 640, height / 480);
   const [x, y] = [(width - scale * 640) / 2 + scale * middle[0], (height - scale * 480) / 2 + scale * middle[1]];
@@ -37,14 +37,14 @@ DRAWN = """([name, middle, out]) => {
 LOOP_AND_SUGGESTION = "() => ['#loop', '#suggestion'].map((where) => document.querySelector(where).textContent)"
 TAKE = "() => { const it = document.querySelector('#suggestion'), said = it.textContent; it.click(); return said; }"
 AMBER = """(name) => {
-  const canvas = document.querySelectorAll(`[data-name=${name}] canvas`)[2];
+  const canvas = document.querySelector(`[data-name=${name}] .tools`);
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   let count = 0;
   for (let k = 0; k < data.length; k += 4) count += data[k] === 0xf5 && data[k + 1] === 0xb9 && data[k + 2] === 0x35;
   return count;
 }"""
 ANY = """(name) => {
-  const canvas = document.querySelectorAll(`[data-name=${name}] canvas`)[2];
+  const canvas = document.querySelector(`[data-name=${name}] .tools`);
   return canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v > 0);
 }"""
 

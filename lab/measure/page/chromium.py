@@ -42,7 +42,7 @@ class Tab:
 
     def evaluate(self, expression: str) -> Any:
         """The value of an expression of JavaScript; ProcessError with what the page says against it."""
-        result = self.ask("Runtime.evaluate", expression=expression, returnByValue=True)
+        result = self.ask("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in result:
             raise ProcessError(f"the page cannot evaluate {expression[:80]}: {result['exceptionDetails']}")
         return result["result"].get("value")

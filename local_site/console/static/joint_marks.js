@@ -108,8 +108,7 @@ export class JointMarks {
   /** The picture's offset and size in its canvas, which it fills in one direction.
    * @type {(width: number, height: number) => { across: number, down: number, wide: number, tall: number }} */
   #layout(width, height) {
-    const { width: full, height: high } = this.#view.picture;
-    const scale = Math.min(width / full, height / high);
-    return { across: (width - scale * full) / 2, down: (height - scale * high) / 2, wide: scale * full, tall: scale * high };
+    const [wide, tall] = [Math.min(width, height * this.#view.aspect), Math.min(height, width / this.#view.aspect)];
+    return { across: (width - wide) / 2, down: (height - tall) / 2, wide, tall };
   }
 }

@@ -12,6 +12,8 @@ export function sizeOf(picture) {
 
 export class PictureCanvas {
   element = document.createElement("canvas");
+  isShowing = true; // a canvas always shows what it is given
+  isStuck = false;
   #context = /** @type {CanvasRenderingContext2D} */ (this.element.getContext("2d", { alpha: false, desynchronized: true }));
   /** @type {Size} */
   #room = { width: Infinity, height: Infinity };
@@ -20,7 +22,7 @@ export class PictureCanvas {
     new ResizeObserver(([{ contentRect }]) => (this.#room = contentRect)).observe(this.element);
   }
 
-  /** Paint a decoded picture: an ImageBitmap or a VideoFrame. Without a GPU the browser scales what is larger at each of its frames.
+  /** Paint a decoded picture, an ImageBitmap or a VideoFrame, which is taken over. Without a GPU the browser scales what is larger at each of its frames.
    * @type {(picture: Picture) => void} */
   paint(picture) {
     const { width: full, height: high } = sizeOf(picture);
@@ -33,6 +35,7 @@ export class PictureCanvas {
       this.#context.imageSmoothingQuality = "low"; // averages what it shrinks to less than half
     }
     this.#context.drawImage(picture, 0, 0, width, height);
+    picture.close();
   }
 
   clear() {

@@ -10,6 +10,7 @@
 import { ageWords, judge } from "./freshness.js";
 import { decodedJpeg } from "./jpeg.js";
 import { PictureCanvas, sizeOf } from "./picture_canvas.js";
+import { PictureVideo } from "./picture_video.js";
 import { ViewLabels } from "./view_labels.js";
 import { ViewOverlays } from "./view_overlays.js";
 import { mark as setMark, put } from "./words.js";
@@ -34,7 +35,8 @@ export class View {
   #h264;
   #isOfOperator;
   #isMissed = false;
-  #canvas = new PictureCanvas();
+  /** @type {PictureVideo | PictureCanvas} */
+  #surface = PictureVideo.isSupported ? new PictureVideo() : new PictureCanvas();
   #labels = new ViewLabels();
   #mark = document.createElement("div");
   #title = document.createElement("b");
@@ -62,7 +64,8 @@ export class View {
     this.#labels.call(key, name);
     this.#mark.className = "mark";
     this.#mark.append(this.#title, this.#words);
-    this.element.append(this.#canvas.element, ...this.#overlays.canvases, this.#mark, ...this.#labels.elements);
+    this.#surface.element.className = "picture";
+    this.element.append(this.#surface.element, ...this.#overlays.canvases, this.#mark, ...this.#labels.elements);
     this.refresh(true);
   }
 
@@ -81,7 +84,7 @@ export class View {
   }
 
   get picture() {
-    return this.#canvas.element;
+    return this.#surface.element;
   }
 
   get overlay() {
@@ -147,8 +150,9 @@ export class View {
     if (picture === null) return this.#isMissed;
     if (this.#newest === null || header.seq > this.#newest.seq || (header.capture_ms ?? 0) > (this.#newest.captureMs ?? 0)) {
       this.#paint(picture, header);
+    } else {
+      picture.close();
     }
-    picture.close();
     return true;
   }
 
@@ -160,17 +164,24 @@ export class View {
     return this.#h264.decode(header.view, header.key, bytes, offset);
   }
 
+  #paintOnCanvas() {
+    const stuck = this.#surface.element;
+    this.#surface = new PictureCanvas();
+    this.#surface.element.className = stuck.className;
+    stuck.replaceWith(this.#surface.element);
+  }
+
   /** Show no picture: an old one of the operator would be taken for one who is seen now. */
   #forget() {
     this.#newest = null;
     this.#times = [];
-    this.#canvas.clear();
+    this.#surface.clear();
   }
 
   /** @type {(picture: Picture, header: PictureHeader) => void} */
   #paint(picture, header) {
-    this.#canvas.paint(picture);
     const { width, height } = sizeOf(picture);
+    this.#surface.paint(picture);
     this.#shape(width, height);
     const nowMs = this.#clock.now();
     const ageMs = nowMs === null || header.capture_ms === null ? null : nowMs - header.capture_ms;
@@ -190,9 +201,10 @@ export class View {
   /** Mark how current the picture is now; the figures of it only when they can be read.
    * @type {(isRead: boolean) => void} */
   refresh(isRead) {
+    if (this.#surface.isStuck) this.#paintOnCanvas();
     const nowMs = performance.now();
     const wasLate = nowMs - this.#lateMs < CALM_MS;
-    const { mark, title: judged, words: why, ageMs, isOld, isLate } = judge(this.#newest, this.#header, this.#now(), wasLate);
+    const { mark, title: judged, words: why, ageMs, isOld, isLate } = judge(this.#surface.isShowing ? this.#newest : null, this.#header, this.#now(), wasLate);
     if (isLate) this.#lateMs = nowMs;
     const title = mark === "live" && this.#clock.isReplayed ? "recorded" : judged;
     if (isRead || mark !== this.element.dataset.mark) {

@@ -8,7 +8,7 @@ import { ToolMarks } from "./tool_marks.js";
 
 export class ViewOverlays {
   /** The canvases, from the lowest to the uppermost. */
-  canvases = [0, 1, 2].map(() => document.createElement("canvas"));
+  canvases = ["ghost", "tools", "assist"].map((name) => Object.assign(document.createElement("canvas"), { className: name }));
   /** @type {Ghost | null} */
   #ghost = null;
   /** @type {ToolMarks | null} */
