@@ -1,6 +1,7 @@
 """The simulated operator's right arm as a solid, bare or with markers: hulls of balls, posed by a skeleton."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -56,7 +57,7 @@ class ArmTruth:
     hand_open: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Part:
     """A limb that is drawn as one: each of its pieces is the convex hull of these balls.
 
@@ -67,7 +68,12 @@ class Part:
     pieces: tuple[NDArray[np.intp], ...]
     worn_on: "tuple[Part, int] | None" = None
 
-    @property
+    @cached_property
+    def sizes(self) -> NDArray[np.intp]:
+        """How many balls each piece has."""
+        return np.array([len(piece) for piece in self.pieces])
+
+    @cached_property
     def balls(self) -> NDArray[np.intp]:
         """All balls of the part, those of several pieces several times."""
         return np.concatenate(self.pieces)
