@@ -29,6 +29,8 @@ BACKGROUND_RELIEF = 4.0
 RIM_LEVEL = 96
 PEAK_LEVEL = 190
 FULL_DEPTH_PX = 18.0
+ONE = 1 << 16  # pixel deep, in fixed point
+STRAIGHT, DIAGONAL, FAR = round(0.955 * ONE), round(1.3693 * ONE), 1 << 28
 GLOVE_LEVEL = 22
 MARKER_LEVEL = 225
 
@@ -52,13 +54,14 @@ class Outlines:
 def project(solid: Solid, camera: PinholeCamera, inset_px: float = 0.0) -> Outlines:
     """The outlines of all balls in one camera, each smaller all round by `inset_px`; exact, since a hull of balls
     projects to the hull of their outlines."""
-    count = len(solid.radii)
-    centres = camera.to_camera(np.concatenate([solid.centres, solid.markers]))
-    full = np.concatenate([solid.radii, np.full(len(solid.markers), solid.marker_radius)])
+    count, worn = len(solid.radii), len(solid.markers)
+    points = camera.to_camera(np.concatenate([solid.centres, solid.markers, solid.rim]))
+    centres, rim = points[: count + worn], points[count + worn :]
+    full = np.concatenate([solid.radii, np.full(worn, solid.marker_radius)])
     balls = _ball_outlines(centres, full - inset_px / camera.focal_px * centres[:, 2], _CIRCLE)
-    rim = camera.to_camera(solid.rim)
     rims = camera.pixels(np.concatenate([balls[:count], rim[None], balls[count:]]))
-    return Outlines(rims, np.insert(centres[:, 2], count, rim[:, 2].mean()))
+    depths = centres[:, 2]
+    return Outlines(rims, np.concatenate([depths[:count], [rim[:, 2].mean()], depths[count:]]))
 
 
 def part_hulls(rims: FixedPoints, parts: Sequence[Part]) -> tuple[Numbers, Numbers]:
@@ -179,8 +182,7 @@ def _finely(outlines: Outlines, box: Box) -> tuple[FixedPoints, Image]:
     """The outlines in fixed point pixels of an empty picture of the box that is `FINE` times finer."""
     left, top, right, bottom = box
     # Corner (0, 0) of a picture is the centre of its first pixel, at every resolution.
-    fine_px = FINE * (outlines.rims - (left, top)) + (FINE - 1) / 2
-    fixed = np.rint(fine_px * (1 << SHIFT)).astype(np.int32)
+    fixed = np.rint((outlines.rims - (left, top)) * (FINE << SHIFT) + ((FINE - 1) << SHIFT) / 2).astype(np.int32)
     return fixed, np.zeros((FINE * (bottom - top), FINE * (right - left)), np.uint8)
 
 
@@ -216,16 +218,49 @@ def _coarse(fine: Image) -> Image:
 
 def _shade(labels: Image) -> Image:
     """Brightness of each pixel by its depth inside its limb's outline, as if every limb were round."""
-    edges = cv2.morphologyEx(labels, cv2.MORPH_GRADIENT, _NEIGHBOURS)
-    inside = ((edges == 0) & (labels > 0)).view(np.uint8)
-    depth = cv2.distanceTransform(inside, cv2.DIST_L2, cv2.DIST_MASK_3)
-    level = cv2.LUT(cv2.convertScaleAbs(depth, alpha=255 / FULL_DEPTH_PX), _ROUND)
-    return cv2.GaussianBlur(level, (0, 0), 1.0).astype(np.uint8, copy=False)
+    return cv2.GaussianBlur(_levels(labels, _ROUND), (0, 0), 1.0).astype(np.uint8, copy=False)
+
+
+@compiled
+def _levels(labels: Image, by_depth: Image) -> Image:
+    """The level `by_depth` (256,) for each pixel (H, W) of labelled limbs, the last from `FULL_DEPTH_PX` inside on.
+
+    The depth is that of `cv2.distanceTransform` by masks of 3 x 3; a pixel whose neighbour is another limb's has none.
+    """
+    height, width = labels.shape
+    depths = np.full((height + 2, width + 2), FAR, np.int32)
+    for y in range(height):
+        for x in range(width):
+            label = labels[y, x]
+            row, column = y + 1, x + 1
+            if (
+                label == 0
+                or labels[max(y - 1, 0), x] != label
+                or labels[min(y + 1, height - 1), x] != label
+                or labels[y, max(x - 1, 0)] != label
+                or labels[y, min(x + 1, width - 1)] != label
+            ):
+                depths[row, column] = 0
+            else:
+                straight = min(depths[row - 1, column], depths[row, column - 1]) + STRAIGHT
+                depths[row, column] = min(
+                    straight, min(depths[row - 1, column - 1], depths[row - 1, column + 1]) + DIAGONAL
+                )
+    levels = np.full((height, width), by_depth[0], np.uint8)
+    for row in range(height, 0, -1):
+        for column in range(width, 0, -1):
+            depth = depths[row, column]
+            if depth > 0:
+                straight = min(depths[row + 1, column], depths[row, column + 1]) + STRAIGHT
+                diagonal = min(depths[row + 1, column - 1], depths[row + 1, column + 1]) + DIAGONAL
+                depth = min(depth, straight, diagonal)
+                depths[row, column] = depth
+                levels[row - 1, column - 1] = by_depth[min(int(depth * (255 / FULL_DEPTH_PX / ONE) + 0.5), 255)]
+    return levels
 
 
 _DEPTH = np.arange(256) / 255
 _ROUND = (RIM_LEVEL + (PEAK_LEVEL - RIM_LEVEL) * np.sqrt(1 - (1 - _DEPTH) ** 2)).astype(np.uint8)
-_NEIGHBOURS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 
 
 def _background(width: int, height: int, random: np.random.Generator) -> Image:
