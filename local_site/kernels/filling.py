@@ -64,7 +64,6 @@ def fill_hulls(picture: Image, corners: Numbers, ends: Numbers, levels: Image, s
         start = ends[k]
         top, bottom = max(_row(hull[0, 1]), 0), min(_row(hull[:, 1].max()), height - 1)
         left[top : bottom + 1], right[top : bottom + 1] = width, -1
-        y = _row(hull[0, 1])
         x0, y0 = hull[-1, 0], hull[-1, 1]
         for n in range(len(hull)):
             x1, y1 = hull[n, 0], hull[n, 1]
@@ -80,6 +79,7 @@ def fill_hulls(picture: Image, corners: Numbers, ends: Numbers, levels: Image, s
 
 @compiled
 def _row(y: int) -> int:
+    """The pixel in which this is, also of a column."""
     return (y + HALF) >> BITS
 
 
@@ -128,6 +128,7 @@ def _side(x0: int, y0: int, x1: int, y1: int, left: Numbers, right: Numbers) -> 
 
 @compiled
 def _widen_all(top: int, end: int, x: int, slope: int, left: Numbers, right: Numbers) -> None:
+    """Widen the rows from the top to before the end, the first of them to x, each by the slope further."""
     x -= min(top, 0) * slope
     for y in range(max(top, 0), min(end, len(left))):
         left[y], right[y] = min(left[y], x >> BITS), max(right[y], x >> BITS)

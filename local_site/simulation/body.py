@@ -236,8 +236,10 @@ def _pairs(half_width: Array) -> Array:
 
 
 def _upper_arm(middles: Array, sections: _Sections) -> Array:
-    """Pairs of balls from the elbow up, and the rim (RIM_POINTS, 3) where the sleeve begins, a flat cut across the limb;
-    from the elbow, in the limb's directions."""
+    """Pairs of balls from the elbow up, and the rim (RIM_POINTS, 3) where the sleeve begins, a flat cut across the limb.
+
+    Both from the elbow, in the limb's directions.
+    """
     balls = np.repeat(middles[:-1], 2, axis=0)
     balls[:, 1] += _pairs(sections.half_width[:-1])
     turn = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS, endpoint=False)

@@ -159,5 +159,5 @@ def _fixed_number(at: float) -> int:
 
 def _all_fixed(points: Array) -> NDArray[np.int32]:
     """Pixels (n, 2) in the same coordinates."""
-    kept = np.where(np.isnan(points), 0.0, np.clip(points, -FARTHEST_PX, FARTHEST_PX))
-    return np.rint(kept * (1 << SHIFT)).astype(np.int32)
+    kept: Array = np.where(np.isnan(points), 0.0, np.clip(points, -FARTHEST_PX, FARTHEST_PX))
+    return np.asarray(np.rint(kept * (1 << SHIFT)), dtype=np.int32)
