@@ -236,7 +236,7 @@ def _pairs(half_width: Array) -> Array:
 
 
 def _upper_arm(middles: Array, sections: _Sections) -> Array:
-    """Pairs of balls from the elbow up, and the rim (RIM_POINTS, 3) where the sleeve begins, a flat cut across the limb.
+    """Pairs of balls from the elbow up, and the rim (RIM_POINTS, 3) where the sleeve begins: a flat cut across it.
 
     Both from the elbow, in the limb's directions.
     """
