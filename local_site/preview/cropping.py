@@ -90,9 +90,11 @@ def arm_box(estimate: ArmEstimate, view: int, width: int, height: int) -> Pictur
         return None
     drawn = (getattr(estimate.overlays[view], field.name) for field in fields(Overlay))
     pixels = [np.reshape(shape, (-1, 2)) for shape in drawn if shape is not None]
-    points: Array = np.concatenate([np.empty((0, 2)), *pixels]) / (width, height)
-    points = points[np.isfinite(points).all(axis=1)]
-    if not ((points >= 0) & (points <= 1)).all(axis=1).any():
+    points = np.concatenate([np.empty((0, 2)), *pixels])
+    x, y = points[:, 0] / width, points[:, 1] / height
+    finite = np.isfinite(x) & np.isfinite(y)
+    x, y = x[finite], y[finite]
+    if not ((x >= 0) & (x <= 1) & (y >= 0) & (y <= 1)).any():
         return None
-    corners = np.clip([points.min(axis=0), points.max(axis=0)], 0.0, 1.0)
-    return PictureBox(*corners.ravel().tolist())
+    left, top, right, bottom = (min(max(float(end), 0.0), 1.0) for end in (x.min(), y.min(), x.max(), y.max()))
+    return PictureBox(left, top, right, bottom)

@@ -32,9 +32,10 @@ Pictures = Iterator[Sequence[Image]]
 
 
 def warm_up(tracking: TrackingConfig) -> None:
-    """Track a few instants; markers need no compiling. NotInstalledError where the tracker's models are missing."""
+    """Track a few instants; of markers only their pictures need it. NotInstalledError where models are missing."""
     scene = tracker_kind(tracking.method).scene
     if scene == "markers":
+        SimulatedOperator(SimulationConfig(markers=True)).render(0.0)
         return
     if scene == "textured":
         tracker, pictures = _one_camera(tracking)

@@ -1,6 +1,8 @@
 """The simulated operator's right arm as a solid, bare or with markers: hulls of balls, posed by a skeleton."""
 
+import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -56,7 +58,7 @@ class ArmTruth:
     hand_open: bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Part:
     """A limb that is drawn as one: each of its pieces is the convex hull of these balls.
 
@@ -67,7 +69,12 @@ class Part:
     pieces: tuple[NDArray[np.intp], ...]
     worn_on: "tuple[Part, int] | None" = None
 
-    @property
+    @cached_property
+    def sizes(self) -> NDArray[np.intp]:
+        """How many balls each piece has."""
+        return np.array([len(piece) for piece in self.pieces])
+
+    @cached_property
     def balls(self) -> NDArray[np.intp]:
         """All balls of the part, those of several pieces several times."""
         return np.concatenate(self.pieces)
@@ -93,24 +100,30 @@ class ArmBody:
         taper = config.elbow_girth + (config.wrist_girth - config.elbow_girth) * FOREARM_AT
         bulge = config.forearm_girth - float(np.interp(BELLY_AT, FOREARM_AT, taper))
         flatness = ELBOW_FLATNESS + (WRIST_FLATNESS - ELBOW_FLATNESS) * FOREARM_AT**2
-        self._forearm = _stadium(taper + bulge * FOREARM_BELLY, flatness)
+        forearm = _stadium(taper + bulge * FOREARM_BELLY, flatness)
         girth = config.elbow_girth + (config.upper_arm_girth - config.elbow_girth) * UPPER_ARM_BELLY
-        self._upper_arm = _stadium(girth, np.full(len(girth), ELBOW_FLATNESS))
+        upper_arm = _stadium(girth, np.full(len(girth), ELBOW_FLATNESS))
         self._radii = np.concatenate(
-            [np.repeat(self._forearm.radius, 2), np.repeat(self._upper_arm.radius[:-1], 2), self._hand.radii]
+            [np.repeat(forearm.radius, 2), np.repeat(upper_arm.radius[:-1], 2), self._hand.radii]
         )
+        self._forearm_middle = np.repeat(
+            _middles(config.forearm_length * FOREARM_AT, config.belly_offset * FOREARM_BEFORE), 2, axis=0
+        )
+        self._forearm_half_width = _pairs(forearm.half_width)
+        self._forearm_twist = np.repeat(FOREARM_AT**1.3, 2)
+        reach = config.upper_arm_length * config.bare_fraction * UPPER_ARM_AT
+        self._upper_arm_in_limb = _upper_arm(_middles(reach, config.belly_offset * UPPER_ARM_BEFORE), upper_arm)
         self.parts = _parts(len(FOREARM_AT), len(UPPER_ARM_AT) - 1)
         self.ball_count = len(self._radii)
 
     def solid(self, pose: BodyPose) -> Solid:
         """The skin of the whole arm in this pose."""
-        along = unit(pose.wrist - pose.elbow)
-        up = unit(pose.elbow - pose.shoulder)
+        along, up = unit(np.array([pose.wrist - pose.elbow, pose.elbow - pose.shoulder]))
         hinge = unit(_cross(along, up))
-        forearm = self._forearm_balls(pose, along, hinge)
-        upper, rim = self._upper_arm_balls(pose, -up, hinge)
+        forearm = self._forearm_balls(pose, np.array([along, hinge, _cross(along, hinge)]))
+        upper = pose.elbow + self._upper_arm_in_limb @ np.array([-up, hinge, _cross(up, hinge)])
         hand = pose.wrist + self._hand.balls(pose.openness) @ pose.operator_R_hand.T
-        return Solid(np.concatenate([forearm, upper, hand]), self._radii, rim)
+        return Solid(np.concatenate([forearm, upper[:-RIM_POINTS], hand]), self._radii, upper[-RIM_POINTS:])
 
     def truth(self, pose: BodyPose) -> ArmTruth:
         """The points of the skeleton that a tracker measures."""
@@ -140,30 +153,21 @@ class ArmBody:
         """Return the centres (2, 3) of markers beside the tips of index and thumb, operator frame, m."""
         return pose.wrist + self._hand.beside_tips(pose.openness) @ pose.operator_R_hand.T
 
-    def _forearm_balls(self, pose: BodyPose, along: Array, hinge: Array) -> Array:
-        """Pairs of balls (2N, 3): flat across the hinge at the elbow, across the hand at the wrist."""
-        inner = _cross(along, hinge)
-        radial = pose.operator_R_hand[:, 1]
-        twist = np.arctan2(radial @ inner, radial @ hinge)
-        if twist < -np.pi / 2:
-            twist += 2 * np.pi
-        angle = (twist * FOREARM_AT**1.3)[:, None]
-        across = np.cos(angle) * hinge + np.sin(angle) * inner
-        belly = self._config.belly_offset * FOREARM_BEFORE[:, None] * inner
-        middle = pose.elbow + (self._config.forearm_length * FOREARM_AT)[:, None] * along + belly
-        return _pairs(middle, self._forearm.half_width[:, None] * across)
+    def _forearm_balls(self, pose: BodyPose, limb: Array) -> Array:
+        """Pairs of balls (2N, 3): flat across the hinge at the elbow, across the hand at the wrist.
 
-    def _upper_arm_balls(self, pose: BodyPose, along: Array, hinge: Array) -> tuple[Array, Array]:
-        """Pairs of balls from the elbow up, and the rim where the sleeve begins, a flat cut across the limb."""
-        inner = _cross(hinge, along)
-        reach = self._config.upper_arm_length * self._config.bare_fraction * UPPER_ARM_AT
-        belly = self._config.belly_offset * UPPER_ARM_BEFORE[:, None] * inner
-        middle = pose.elbow + reach[:, None] * along + belly
-        sections = self._upper_arm
-        turn = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS, endpoint=False)[:, None]
-        ring = sections.radius[-1] * (np.cos(turn) * hinge + np.sin(turn) * inner)
-        rim = middle[-1] + ring + np.sign(np.cos(turn)) * sections.half_width[-1] * hinge
-        return _pairs(middle[:-1], sections.half_width[:-1, None] * hinge), rim
+        `limb` has in its rows the forearm's direction, the hinge's, and that out of the elbow's inner side.
+        """
+        radial = limb @ pose.operator_R_hand[:, 1]
+        twist = math.atan2(radial[2], radial[1])
+        if twist < -math.pi / 2:
+            twist += 2 * math.pi
+        angle = twist * self._forearm_twist
+        in_limb = self._forearm_middle.copy()
+        in_limb[:, 1] += self._forearm_half_width * np.cos(angle)
+        in_limb[:, 2] += self._forearm_half_width * np.sin(angle)
+        balls: Array = pose.elbow + in_limb @ limb
+        return balls
 
 
 class MarkedArm:
@@ -220,8 +224,29 @@ def _stadium(girth: Array, flatness: Array) -> _Sections:
     return _Sections(radius, flatness * radius)
 
 
-def _pairs(middle: Array, offset: Array) -> Array:
-    return np.stack([middle - offset, middle + offset], axis=1).reshape(-1, 3)
+def _middles(reach: Array, before: Array) -> Array:
+    """The middles (N, 3) of a limb's sections, so far from the elbow and before its axis, in the limb's directions:
+    along it, along the hinge, and out of the elbow's inner side."""
+    return np.column_stack([reach, np.zeros(len(reach)), before])
+
+
+def _pairs(half_width: Array) -> Array:
+    """How far aside (2N,) the two balls of each section are."""
+    return np.column_stack([-half_width, half_width]).ravel()
+
+
+def _upper_arm(middles: Array, sections: _Sections) -> Array:
+    """Pairs of balls from the elbow up, and the rim (RIM_POINTS, 3) where the sleeve begins: a flat cut across it.
+
+    Both from the elbow, in the limb's directions.
+    """
+    balls = np.repeat(middles[:-1], 2, axis=0)
+    balls[:, 1] += _pairs(sections.half_width[:-1])
+    turn = np.linspace(0.0, 2.0 * np.pi, RIM_POINTS, endpoint=False)
+    rim = np.tile(middles[-1], (RIM_POINTS, 1))
+    rim[:, 1] += sections.radius[-1] * np.cos(turn) + sections.half_width[-1] * np.sign(np.cos(turn))
+    rim[:, 2] += sections.radius[-1] * np.sin(turn)
+    return np.concatenate([balls, rim])
 
 
 def _cross(a: Array, b: Array) -> Array:

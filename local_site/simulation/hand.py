@@ -115,7 +115,7 @@ class Hand:
         thumb, index = joints[4], joints[0]
         thenar = _blend(thumb[0], thumb[1], 0.4) - THENAR_INWARD
         web = _blend(thumb[0], thumb[1], 0.6), _blend(index[0], thumb[0], 0.15)
-        return self._scale * np.vstack([joints.reshape(-1, 3), HYPOTHENAR, thenar, *web])
+        return self._scale * np.concatenate([joints.reshape(-1, 3), [HYPOTHENAR, thenar, *web]])
 
     def tips(self, openness: float) -> tuple[Array, Array]:
         """The tips of index and thumb on the skin, (3,) each."""
@@ -159,7 +159,7 @@ class Hand:
         rest = self._rest
         forward = unit(_blend(rest.forward, SPREAD.forward, openness))
         curl = _blend(rest.curl, SPREAD.curl, openness)
-        curl = unit(curl - np.sum(curl * forward, axis=1, keepdims=True) * forward)
+        curl = unit(curl - np.vecdot(curl, forward)[:, None] * forward)
         return forward, curl, np.radians(_blend(rest.bend_deg, SPREAD.bend_deg, openness))[..., None]
 
 
@@ -169,5 +169,5 @@ def _blend(a: Array, b: Array, fraction: float) -> Array:
 
 def unit(vectors: Array) -> Array:
     """Vectors (..., 3) of length 1 along these."""
-    unit: Array = vectors / np.sqrt(np.sum(vectors * vectors, axis=-1, keepdims=True))
+    unit: Array = vectors / np.sqrt(np.vecdot(vectors, vectors))[..., None]
     return unit

@@ -1,6 +1,7 @@
 """Motions of the simulated operator by name: the arm's pose by time, and when the hand opens."""
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -8,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from common.errors import ConfigError
-from common.geometry import Array, rotation_from_vector, skew, vector_from_rotation
+from common.geometry import Array, rotation_from_vector, vector_from_rotation
 from local_site.simulation.body import BodyPose
 from local_site.simulation.config import BodyConfig, MotionConfig, MotionName
 
@@ -148,12 +149,13 @@ _GRASP_AND_RELEASE_S = (16.4, 32.4)
 
 
 def _along(waypoints: Sequence[tuple[float, ...]]) -> Callable[[float], tuple[Array, Array]]:
-    table = np.array(waypoints)
+    changes_s = [t_s for t_s, *_ in waypoints[1:-1]]
 
     def path(t_s: float) -> tuple[Array, Array]:
-        k = int(np.sum(table[1:-1, 0] <= t_s))
-        a, b = table[k], table[k + 1]
-        *offset, yaw_deg, pitch_deg = a[1:] + minimum_jerk((t_s - a[0]) / (b[0] - a[0])) * (b[1:] - a[1:])
+        k = bisect_right(changes_s, t_s)
+        (start_s, *a), (end_s, *b) = waypoints[k], waypoints[k + 1]
+        share = minimum_jerk((t_s - start_s) / (end_s - start_s))
+        *offset, yaw_deg, pitch_deg = (start + share * (end - start) for start, end in zip(a, b, strict=True))
         return np.array(offset), _turn(yaw_deg, pitch_deg)
 
     return path
@@ -223,14 +225,13 @@ class Motion:
         if a * a <= along * along:
             raise ConfigError(f"the simulated arm cannot reach {distance:.3f} m; move shoulder or wrist closer")
         axis = reach / distance
-        down = np.array([0.0, 0.0, -1.0])
-        first = down - (down @ axis) * axis
-        sine = math.sqrt(float(first @ first))
+        x, y, z = axis.tolist()
+        sine = math.hypot(x, y)
         if sine < LEAST_SINE:
             raise ConfigError("the wrist is straight above or below the shoulder; move one of them aside")
-        first /= sine
         swivel = math.radians(self._config.swivel_deg)
-        out = math.cos(swivel) * first + math.sin(swivel) * (skew(axis) @ first)
+        hanging, aside = np.array([[x * z / sine, y * z / sine, -sine], [-y / sine, x / sine, 0.0]])
+        out = math.cos(swivel) * hanging + math.sin(swivel) * aside
         elbow: Array = self._shoulder + along * axis + math.sqrt(a * a - along * along) * out
         return elbow
 

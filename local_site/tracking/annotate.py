@@ -1,5 +1,7 @@
 """Draws a tracker's result over a frame: contour, medial lines, joints, tips, sigmas, status and reason."""
 
+import math
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +38,9 @@ LEAST_LINES = 12  # below the status, for the points' lines: in a lower picture 
 PAD_PX, DARKENED = 3, 4
 DOT_PX = 2.5
 SIGMAS = 2.0
+FARTHEST_PX = 1e4
+_TURN = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)
+_CIRCLE = np.column_stack([np.cos(_TURN), np.sin(_TURN)])
 
 
 def annotate(image: Image, estimate: ArmEstimate, view: int, projection: Array | None = None) -> Image:
@@ -43,7 +48,7 @@ def annotate(image: Image, estimate: ArmEstimate, view: int, projection: Array |
 
     With the camera's `projection` (3, 4), an ellipse of two sigma surrounds every point that has a covariance.
     """
-    canvas: Image = np.array(as_colour(image)[..., :3], dtype=np.uint8, order="C")
+    canvas = as_colour(image) if image.ndim == 2 else np.array(image[..., :3], order="C")
     if canvas.shape[0] - _write_status(canvas, estimate) >= LEAST_LINES * LINE_HEIGHT_PX:
         _write_sigmas(canvas, estimate)
     if view < len(estimate.overlays):
@@ -56,10 +61,11 @@ def annotate(image: Image, estimate: ArmEstimate, view: int, projection: Array |
 def _draw_shape(canvas: Image, overlay: Overlay) -> None:
     if overlay.contour is not None and len(overlay.contour):
         cv2.polylines(canvas, [overlay.contour], isClosed=True, color=CONTOUR, lineType=cv2.LINE_AA)
+    limbs = (overlay.forearm_line, overlay.upper_arm_line)
+    lines = [(_fixed(line[0]), _fixed(line[1])) for line in limbs if line is not None]
     for colour, width in ((DARK, 3), (LINE, 1)):
-        for line in (overlay.forearm_line, overlay.upper_arm_line):
-            if line is not None:
-                cv2.line(canvas, _fixed(line[0]), _fixed(line[1]), colour, width, cv2.LINE_AA, SHIFT)
+        for start, end in lines:
+            cv2.line(canvas, start, end, colour, width, cv2.LINE_AA, SHIFT)
 
 
 def _draw_point(canvas: Image, name: str, estimate: ArmEstimate, overlay: Overlay, projection: Array | None) -> None:
@@ -69,10 +75,10 @@ def _draw_point(canvas: Image, name: str, estimate: ArmEstimate, overlay: Overla
     if pixel is None or point is None:
         return
     inferred = name == "thumb" and estimate.thumb_inferred
-    radius = round(DOT_PX * (1 << SHIFT))
+    centre, radius = _fixed(pixel), round(DOT_PX * (1 << SHIFT))
     for colour, more in ((DARK, 1 << SHIFT), (POINTS[name], 0)):
         thickness = (3 if more else 1) if inferred else cv2.FILLED
-        cv2.circle(canvas, _fixed(pixel), radius + more * (not inferred), colour, thickness, cv2.LINE_AA, SHIFT)
+        cv2.circle(canvas, centre, radius + more * (not inferred), colour, thickness, cv2.LINE_AA, SHIFT)
     covariance = estimate.covariances.get(name)
     if projection is None or covariance is None or not np.all(np.isfinite(covariance)):
         return
@@ -89,10 +95,11 @@ def sigma_outline(projection: Array, point: Array, covariance: Array) -> Array:
     The covariance (3, 3) in m² is propagated through the Jacobian of the projection (3, 4).
     """
     _, jacobian, _ = image_of(projection, point)
-    values, directions = np.linalg.eigh(jacobian @ covariance @ jacobian.T)
-    turn = np.linspace(0.0, 2.0 * np.pi, 36, endpoint=False)
-    circle = np.column_stack([np.cos(turn), np.sin(turn)])
-    outline: Array = SIGMAS * (circle * np.sqrt(np.maximum(values, 0.0))) @ directions.T
+    (a, b), (_, d) = (jacobian @ covariance @ jacobian.T).tolist()
+    mean, half, turn = (a + d) / 2, math.hypot((a - d) / 2, b), math.atan2(2 * b, a - d) / 2
+    long, short = SIGMAS * math.sqrt(max(mean + half, 0.0)), SIGMAS * math.sqrt(max(mean - half, 0.0))
+    c, s = math.cos(turn), math.sin(turn)
+    outline: Array = _CIRCLE @ np.array([[long * c, long * s], [-short * s, short * c]])
     return outline
 
 
@@ -142,10 +149,15 @@ def _write(canvas: Image, text: str, at: tuple[int, int], colour: Colour) -> Non
 
 def _fixed(point: Array) -> tuple[int, int]:
     """A pixel in OpenCV's fixed-point drawing coordinates, kept within what they can hold."""
-    ((x, y),) = _all_fixed(point[None]).tolist()
-    return x, y
+    x, y = point.tolist()
+    return _fixed_number(x), _fixed_number(y)
+
+
+def _fixed_number(at: float) -> int:
+    return 0 if math.isnan(at) else round(min(max(at, -FARTHEST_PX), FARTHEST_PX) * (1 << SHIFT))
 
 
 def _all_fixed(points: Array) -> NDArray[np.int32]:
     """Pixels (n, 2) in the same coordinates."""
-    return np.rint(np.clip(np.nan_to_num(points), -1e4, 1e4) * (1 << SHIFT)).astype(np.int32)
+    kept: Array = np.where(np.isnan(points), 0.0, np.clip(points, -FARTHEST_PX, FARTHEST_PX))
+    return np.asarray(np.rint(kept * (1 << SHIFT)), dtype=np.int32)

@@ -6,11 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
+from local_site.kernels.filling import fill_hulls
 from local_site.simulation.body import ArmBody
 from local_site.simulation.cameras import stereo_pair
 from local_site.simulation.config import BodyConfig, MotionConfig, MotionName, SimulationConfig, StereoConfig
 from local_site.simulation.motion import Motion
-from local_site.simulation.rendering import part_polygons, project
+from local_site.simulation.rendering import part_hulls, project
 
 THIN = BodyConfig(upper_arm_girth=0.25, elbow_girth=0.22, forearm_girth=0.225, wrist_girth=0.15, belly_offset=0.006)
 MUSCULAR = BodyConfig(upper_arm_girth=0.36, elbow_girth=0.28, forearm_girth=0.32, wrist_girth=0.18, belly_offset=0.016)
@@ -22,9 +23,8 @@ def silhouettes(body, pose, stereo):
     for camera in stereo_pair(stereo):
         outlines = project(body.solid(pose), camera)
         mask = np.zeros((stereo.height_px, stereo.width_px), np.uint8)
-        for polygons in part_polygons(np.rint(16 * outlines.rims).astype(np.int32), outlines.depths, body.parts):
-            for polygon in polygons:
-                cv2.fillConvexPoly(mask, polygon, 255, cv2.LINE_8, 4)
+        corners, ends = part_hulls(np.rint(16 * outlines.rims).astype(np.int32), body.parts)
+        fill_hulls(mask, corners, ends, np.full(len(ends), 255, np.uint8), 4)
         masks.append(mask)
     return masks
 
