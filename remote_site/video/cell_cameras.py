@@ -52,6 +52,7 @@ class OffScreen:
         self._gl, self._context, self._functions = _open_egl(model, width, height)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         self._take_depth_alone(width, height)
+        self._take_nearest_sizes()
         self._pixels: Image = np.empty(height * width * 4, dtype=np.uint8)
 
     def draw(self, scene: mujoco.MjvScene, width: int, height: int) -> Image:
@@ -73,6 +74,13 @@ class OffScreen:
         gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._context.offFBO)
         for place, buffer in ((gl.GL_DEPTH_STENCIL_ATTACHMENT, 0), (gl.GL_DEPTH_ATTACHMENT, depth)):
             gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, place, gl.GL_RENDERBUFFER, buffer)
+
+    def _take_nearest_sizes(self) -> None:
+        """Of every texture the one nearest in size: MuJoCo mixes two, which takes the software renderer twice as long."""
+        gl = self._functions
+        for texture in self._context.texture[: self._context.ntexture]:
+            gl.glBindTexture(gl.GL_TEXTURE_2D, texture)
+            gl.glTexParameteri(gl.GL_TEXTURE_2D, gl.GL_TEXTURE_MIN_FILTER, gl.GL_LINEAR_MIPMAP_NEAREST)
 
     def close(self) -> None:
         """Release the context; further calls do nothing."""
