@@ -76,7 +76,7 @@ class OffScreen:
             gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, place, gl.GL_RENDERBUFFER, buffer)
 
     def _take_nearest_sizes(self) -> None:
-        """Of every texture the one nearest in size: MuJoCo mixes two, which takes the software renderer twice as long."""
+        """Draw one size of each texture: MuJoCo mixes two, which takes the software renderer twice as long."""
         gl = self._functions
         for texture in self._context.texture[: self._context.ntexture]:
             gl.glBindTexture(gl.GL_TEXTURE_2D, texture)
@@ -276,7 +276,7 @@ def _box_corners(boxes: Array) -> Array:
 
 
 def _where(rgba: Image, alpha: int) -> Image:
-    return (cv2.extractChannel(rgba, 3) == alpha).view(np.uint8)
+    return np.asarray(cv2.extractChannel(rgba, 3) == alpha).view(np.uint8)
 
 
 def _bgr(rgba: Image) -> Image:
