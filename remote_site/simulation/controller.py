@@ -16,7 +16,7 @@ from remote_site.safety.silence import Silence
 from remote_site.safety.stopping import stopping
 from remote_site.shared_record import Record
 from remote_site.simulation.config import ServoConfig
-from remote_site.simulation.memory import GRIPPER_COMMANDS
+from remote_site.simulation.memory import GRIPPER_COMMANDS, CellCommand
 
 
 class ControllerFault(IntEnum):
@@ -83,11 +83,11 @@ class SimulatedController:
         """No motion is under way or requested."""
         return not self.active and self._stop_from is None
 
-    def asked(self, command: Record) -> bool:
+    def asked(self, command: CellCommand) -> bool:
         """Return whether the driver asks for an activation that can now be given."""
-        return self.resting and int(command["activation"]) != self.activation
+        return self.resting and command.activation != self.activation
 
-    def tick(self, command: Record, measured_q: Array, now_ns: int, dt: float) -> JointMotion:
+    def tick(self, command: CellCommand, measured_q: Array, now_ns: int, dt: float) -> JointMotion:
         """The motion to follow `dt` seconds after the last, at `now_ns`; the command as in `simulation.memory`."""
         if not self.resting and np.abs(self.motion.q - measured_q).max() > self._config.following_error_rad:
             self.active, self._stop_from, self.fault = False, None, ControllerFault.BLOCKED
@@ -112,15 +112,15 @@ class SimulatedController:
             self._stop_from = replace(self.motion, ddq=np.clip(self.motion.ddq, -most, most))
             self._stop_s = 0.0
 
-    def activate(self, setup: Record, command: Record) -> None:
+    def activate(self, setup: Record, command: CellCommand) -> None:
         """Take setpoints from rest at the command's posture, or set `fault` if the arm is not there."""
-        self.activation, self.gripper = int(command["activation"]), GripperCommand.KEEP
+        self.activation, self.gripper = command.activation, GripperCommand.KEEP
         config = self._config
-        if not np.abs(command["q"] - self.motion.q).max() <= config.activation_tolerance_rad:
+        if not np.abs(command.q - self.motion.q).max() <= config.activation_tolerance_rad:
             self.fault = ControllerFault.APART
             return
         timeout_ns = min(round(config.watchdog_ms * NS_PER_MS), int(setup["timeout_ns"]))
-        self.setpoints = SetpointWatch(timeout_ns, int(command["seq"]))
+        self.setpoints = SetpointWatch(timeout_ns, command.seq)
         self._stop_limits = replace(
             self._stop_limits,
             acceleration=np.minimum(setup["acceleration"], config.stop_acceleration_rad_s2),
@@ -128,24 +128,24 @@ class SimulatedController:
         )
         self.active, self.fault = True, ControllerFault.NONE
 
-    def _take(self, command: Record, now_ns: int) -> None:
+    def _take(self, command: CellCommand, now_ns: int) -> None:
         expired = self.setpoints.expired(now_ns)
-        if int(command["activation"]) != self.activation or not command["run"]:
+        if command.activation != self.activation or not command.run:
             self.stop()
-        elif int(command["seq"]) != self.setpoints.seq:
-            if not JointMotion(command["q"], command["dq"], command["ddq"]).finite:
+        elif command.seq != self.setpoints.seq:
+            if not JointMotion(command.q, command.dq, command.ddq).finite:
                 self.stop(ControllerFault.NOT_FINITE)
                 return
-            self.setpoints.obey(int(command["seq"]), now_ns)
-            self.gripper = GRIPPER_COMMANDS[int(command["gripper"])]
+            self.setpoints.obey(command.seq, now_ns)
+            self.gripper = GRIPPER_COMMANDS[command.gripper]
         elif expired:
             self.stop(ControllerFault.WATCHDOG)
 
-    def _setpoint(self, command: Record, now_ns: int) -> JointMotion:
+    def _setpoint(self, command: CellCommand, now_ns: int) -> JointMotion:
         """The command's setpoint, extrapolated to now."""
         age = self.setpoints.age_s(now_ns)
         curved = min(age, self._config.extrapolation_ms / 1000.0)
-        q, dq, ddq = command["q"], command["dq"], command["ddq"]
+        q, dq, ddq = command.q, command.dq, command.ddq
         velocity = dq + curved * ddq
         position = q + curved * dq + 0.5 * curved * curved * ddq + (age - curved) * velocity
         return JointMotion(position, velocity, ddq if age == curved else np.zeros(len(q)))

@@ -1,12 +1,13 @@
 """The memory that the simulated cell shares with the driver and the video: setup, command, reading, snapshot."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
+from common.geometry import Array
 from common.messages.robot import GripperCommand
-from remote_site.shared_record import SharedRecord
+from remote_site.shared_record import Record, SharedRecord
 
 BLOCK_VALUES = 7  # position and quaternion
 FINGERS = 2
@@ -45,6 +46,24 @@ def command_dtype(joints: int) -> np.dtype[np.void]:
             ("ddq", np.float64, (joints,)),
         ]
     )
+
+
+class CellCommand(NamedTuple):
+    """The fields of `command_dtype`, as the controller takes them."""
+
+    seq: int
+    t_ns: int
+    activation: int
+    run: bool
+    gripper: int
+    q: Array
+    dq: Array
+    ddq: Array
+
+    @classmethod
+    def of(cls, record: Record) -> Self:
+        """Take the fields out of a record of `command_dtype`."""
+        return cls._make(record.item())
 
 
 def reading_dtype(joints: int) -> np.dtype[np.void]:

@@ -18,7 +18,7 @@ from remote_site.kinematics.joints import JointMotion
 from remote_site.simulation.cell import Cell, build_cell
 from remote_site.simulation.config import CellConfig, GripperConfig
 from remote_site.simulation.controller import SimulatedController, controller_limits
-from remote_site.simulation.memory import CellMemory
+from remote_site.simulation.memory import CellCommand, CellMemory
 
 MAX_LATE_STEPS = 20
 FIFO_PRIORITY = 40  # as a robot's own controller, but below the control loop
@@ -29,23 +29,24 @@ class ArmServo:
     """Computed torque of an arm's joints; `q`, `dq` (n,) are live views of the measured rad and rad/s."""
 
     def __init__(self, config: CellConfig, cell: Cell, data: mujoco.MjData) -> None:
-        self._model, self._data, self._arm = cell.model, data, cell.arm
+        self._model, self._data, arm = cell.model, data, cell.arm
         self._stiffness = (2.0 * math.pi * config.servo.bandwidth_hz) ** 2
         self._damping = 2.0 * math.sqrt(self._stiffness)
         self._coulomb, self._viscous = np.array(config.arm.coulomb_n_m), np.array(config.arm.viscous_n_m_s)
-        self._acceleration, self._torque = np.zeros(cell.model.nv), np.zeros(cell.model.nv)
+        self._accelerations, self._torques = np.zeros(cell.model.nv), np.zeros(cell.model.nv)
+        self._acceleration, self._torque = self._accelerations[arm], self._torques[arm]
+        self._bias, self._ctrl = data.qfrc_bias[arm], data.ctrl[arm]  # views: MuJoCo looks each array up anew
         self._before = JointMotion.at_rest(cell.start_q)
-        self.q: Array = data.qpos[cell.arm]
-        self.dq: Array = data.qvel[cell.arm]
+        self.q: Array = data.qpos[arm]
+        self.dq: Array = data.qvel[arm]
 
     def drive(self, motion: JointMotion) -> None:
         """Set the torques (n,) in N·m that lead to where the motion is at the end of the step."""
-        arm = self._arm
         error, rate = self._before.q - self.q, self._before.dq - self.dq
-        self._acceleration[arm] = motion.ddq + self._damping * rate + self._stiffness * error
-        mujoco.mj_mulM(self._model, self._data, self._torque, self._acceleration)
+        self._acceleration[:] = motion.ddq + self._damping * rate + self._stiffness * error
+        mujoco.mj_mulM(self._model, self._data, self._torques, self._accelerations)
         friction = self._coulomb * np.tanh(motion.dq / SLIDING_RAD_S) + self._viscous * motion.dq
-        self._data.ctrl[arm] = self._torque[arm] + self._data.qfrc_bias[arm] + friction
+        self._ctrl[:] = self._torque + self._bias + friction
         self._before = motion
 
 
@@ -53,8 +54,9 @@ class GripperDrive:
     """The force-limited drive of the gripper's opening, a ramp between open and closed; open at the start."""
 
     def __init__(self, config: GripperConfig, cell: Cell, data: mujoco.MjData) -> None:
-        self._model, self._data, self._grip = cell.model, data, cell.grip
-        self._config = config
+        self._grip, self._ctrl, self._force_range = cell.grip, data.ctrl, cell.model.actuator_forcerange
+        self._lengths, self._forces = data.ten_length, data.actuator_force
+        self._config, self._step_m = config, config.speed_m_s * cell.model.opt.timestep
         self._aim = self._opening = config.max_opening_m
         self._force_n = config.force_limit_n
 
@@ -62,10 +64,9 @@ class GripperDrive:
         """Move on towards open or closed, for one step; with KEEP towards what was commanded before, as hard."""
         if command is not GripperCommand.KEEP:
             self._aim = self._config.max_opening_m if command is GripperCommand.OPEN else 0.0
-            self._model.actuator_forcerange[self._grip] = (-self._force_n, self._force_n)
-        step = self._config.speed_m_s * self._model.opt.timestep
-        self._opening += min(max(self._aim - self._opening, -step), step)
-        self._data.ctrl[self._grip] = self._opening
+            self._force_range[self._grip] = (-self._force_n, self._force_n)
+        self._opening += min(max(self._aim - self._opening, -self._step_m), self._step_m)
+        self._ctrl[self._grip] = self._opening
 
     def limit_grip(self, force_n: float) -> None:
         """From the next command on, close with no more than this force, nor than the gripper's own limit."""
@@ -74,12 +75,12 @@ class GripperDrive:
     @property
     def opening_m(self) -> float:
         """The measured opening between the fingers."""
-        return float(self._data.ten_length[0])
+        return float(self._lengths[0])
 
     @property
     def force_n(self) -> float:
         """The force with which the drive closes the fingers, 0 while it opens them."""
-        return max(0.0, -float(self._data.actuator_force[self._grip]))
+        return max(0.0, -float(self._forces[self._grip]))
 
 
 class SimulatedCell:
@@ -93,7 +94,7 @@ class SimulatedCell:
         self._servo = ArmServo(config, self.cell, self.data)
         self._gripper = GripperDrive(config.gripper, self.cell, self.data)
         self._memory = memory
-        self._command_count, self._command = 0, np.zeros((), dtype=memory.command.dtype)
+        self._command_count, self._command = 0, CellCommand.of(memory.command.read())
         self._reading = np.zeros((), dtype=memory.reading.dtype)
         self._snapshot = np.zeros((), dtype=memory.snapshot.dtype)
 
@@ -104,7 +105,7 @@ class SimulatedCell:
         """
         memory, controller = self._memory, self.controller
         if memory.command.count != self._command_count:
-            self._command_count, self._command = memory.command.count, memory.command.read()
+            self._command_count, self._command = memory.command.count, CellCommand.of(memory.command.read())
         if controller.asked(self._command):
             setup = memory.setup.read()
             controller.activate(setup, self._command)

@@ -47,28 +47,31 @@ class Backdrop:
 
     def draw(self, eye: Eye, picture: Image, where: Image, *, of_table: bool) -> None:
         """Paint the surfaces into the picture (H, W, 4), RGBA, where the mask (H, W) is not 0."""
-        if cv2.countNonZero(where):
+        left, top, width, height = cv2.boundingRect(where)
+        if width:
+            area = (left, top), (left + width, top + height)
             for surface in self._drawn[of_table]:
-                surface.draw(eye, picture, where)
+                surface.draw(eye, picture, where, area)
 
 
 class _Drawn:
     """One surface with its picture in several sizes, each half as large as the one before."""
 
     def __init__(self, surface: PaintedSurface) -> None:
-        self._rectangle = surface.rectangle
         self._corners = _corners(surface.rectangle)
         self._normal = surface.rectangle.normal
         self._levels = _pyramid(surface.picture)
         # The room is far away, and there neighbouring pixels show different texels in any case.
         self._filter = cv2.INTER_LINEAR if surface.of_table else cv2.INTER_NEAREST
 
-    def draw(self, eye: Eye, picture: Image, where: Image) -> None:
-        outline = self._outline(eye)
-        if outline is None:
+    def draw(self, eye: Eye, picture: Image, where: Image, area: tuple[tuple[int, int], tuple[int, int]]) -> None:
+        """Paint it where the mask is not 0, which it is within this area, from left and top to right and bottom."""
+        if (eye.position - self._corners[0]) @ self._normal <= 0.0:
             return
-        low = np.maximum(np.floor(outline.min(axis=0)).astype(int), 0)
-        high = np.minimum(np.ceil(outline.max(axis=0)).astype(int) + 1, (eye.width, eye.height))
+        seen = eye.seen(self._corners - eye.position)
+        outline = _outline(seen)
+        low = np.maximum(np.floor(outline.min(axis=0, initial=FARTHEST_PX)).astype(int), area[0])
+        high = np.minimum(np.ceil(outline.max(axis=0, initial=-FARTHEST_PX)).astype(int) + 1, area[1])
         if (high <= low).any():
             return
         window = (slice(low[1], high[1]), slice(low[0], high[0]))
@@ -78,7 +81,7 @@ class _Drawn:
         mask &= where[window]
         left, top, width, height = cv2.boundingRect(mask)
         if width:
-            level = self._level(eye, (low[0] + left + width / 2, low[1] + top + height / 2))
+            level = self._level(seen, (low[0] + left + width / 2, low[1] + top + height / 2))
             for row in range(top, top + height, BAND_PX):  # much of a slanting surface's rectangle is of another one
                 band = mask[row : min(row + BAND_PX, top + height)]
                 self._draw_band(picture[low[1] + row :, low[0] :], band, level, (int(low[0]), int(low[1]) + row))
@@ -96,32 +99,30 @@ class _Drawn:
         part = (slice(top, top + height), slice(left, left + width))
         cv2.copyTo(shown, mask[part], picture[part])
 
-    def _outline(self, eye: Eye) -> Array | None:
-        """The outline (n, 2) in pixels' centres, what lies behind the camera cut away; None if it is not seen."""
-        if (eye.position - self._corners[0]) @ self._normal <= 0.0:
-            return None
-        kept = []
-        seen = list(eye.seen(self._corners - eye.position))
-        for here, there in zip(seen, seen[1:] + seen[:1], strict=True):
-            if here[2] > NEAR_M:
-                kept.append(here)
-            if (here[2] > NEAR_M) != (there[2] > NEAR_M):
-                kept.append(here + (there - here) * (NEAR_M - here[2]) / (there[2] - here[2]))
-        if not kept:
-            return None
-        points = np.array(kept)
-        return np.asarray(np.clip(points[:, :2] / points[:, 2:] - 0.5, -FARTHEST_PX, FARTHEST_PX), dtype=float)
-
-    def _level(self, eye: Eye, at: tuple[float, float]) -> tuple[Image, Array]:
+    def _level(self, seen: Array, at: tuple[float, float]) -> tuple[Image, Array]:
         """The picture whose pixels are about as large as the view's at that place, and its homography to the view."""
-        homography = _homography(eye, self._rectangle, self._levels[0])
-        texel = np.linalg.solve(homography, (*at, 1.0))
-        local = homography[:2, :2] - np.outer(
-            at, homography[2, :2]
-        )  # times the depth, the derivative of pixel by texel
-        px_per_texel = math.sqrt(abs(np.linalg.det(local))) * abs(texel[2])
+        homography = _homography(seen, self._levels[0])
+        nearness = abs(np.linalg.inv(homography)[2] @ (*at, 1.0))  # 1 / depth
+        px_per_texel = math.sqrt(abs(np.linalg.det(homography)) * nearness**3)
         k = min(max(0, round(-math.log2(max(px_per_texel, 1e-6)))), len(self._levels) - 1)
-        return self._levels[k], homography if k == 0 else _homography(eye, self._rectangle, self._levels[k])
+        return self._levels[k], homography if k == 0 else _homography(seen, self._levels[k])
+
+
+def _outline(seen: Array) -> Array:
+    """The outline (n, 2) in pixels' centres of corners in homogeneous pixels, what lies behind the camera cut away."""
+    corners, kept = seen.tolist(), []
+    for here, there in zip(corners, corners[1:] + corners[:1], strict=True):
+        if here[2] > NEAR_M:
+            kept.append(here)
+        if (here[2] > NEAR_M) != (there[2] > NEAR_M):
+            part = (NEAR_M - here[2]) / (there[2] - here[2])
+            kept.append([a + (b - a) * part for a, b in zip(here, there, strict=True)])
+    places = [(_cut(x / depth - 0.5), _cut(y / depth - 0.5)) for x, y, depth in kept]
+    return np.array(places, dtype=float).reshape(-1, 2)
+
+
+def _cut(px: float) -> float:
+    return min(max(px, -FARTHEST_PX), FARTHEST_PX)
 
 
 def _corners(rectangle: Rectangle) -> Array:
@@ -129,12 +130,13 @@ def _corners(rectangle: Rectangle) -> Array:
     return np.array([low, low + right, low + right + up, low + up])
 
 
-def _homography(eye: Eye, rectangle: Rectangle, texture: Image) -> Array:
+def _homography(seen: Array, texture: Image) -> Array:
+    """From pixels of a texture to the view's, by where the corners of its rectangle are seen, homogeneous px (4, 3)."""
     height, width = texture.shape[:2]
-    right, down = rectangle.right / width, -rectangle.up / height
-    first = rectangle.corner + rectangle.up + (right + down) / 2 - eye.position
-    image = eye.seen(np.array([right, down, first])).T
-    return np.array([[1.0, 0.0, -0.5], [0.0, 1.0, -0.5], [0.0, 0.0, 1.0]]) @ image
+    right, down = (seen[1] - seen[0]) / width, (seen[0] - seen[3]) / height
+    homography = np.array([right, down, seen[3] + (right + down) / 2]).T
+    homography[:2] -= 0.5 * homography[2]  # pixels are counted from the middle of the first
+    return homography
 
 
 def _pyramid(picture: Image) -> list[Image]:

@@ -24,6 +24,7 @@ MAX_GEOMS = 500
 WORLD = 0
 FINER, SHARPENED = 3, 0.5
 NOTHING, OPAQUE = 0, 255  # of a pixel's alpha
+WINDOW_STEPS = 4  # of its width and of its height: for each size a frame buffer is kept
 UNMOVED = 2e-5  # m or rad from the posture that was drawn: less than a tenth of a pixel in every view
 STILL, ALL = mujoco.mjtCatBit.mjCAT_STATIC, mujoco.mjtCatBit.mjCAT_ALL
 CURE = "on Debian and Ubuntu: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
@@ -48,28 +49,46 @@ class OffScreen:
     """A picture of `width` x `height` pixels to draw scenes into; CameraError with the cure where EGL is missing."""
 
     def __init__(self, model: mujoco.MjModel, width: int, height: int) -> None:
-        model.vis.global_.offwidth, model.vis.global_.offheight = width, height
         self._gl, self._context, self._functions = _open_egl(model, width, height)
-        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
-        self._take_depth_of_24_bits(width, height)
+        self._take_nearest_sizes()
+        self._buffers: dict[tuple[int, int], int] = {}
         self._pixels: Image = np.empty(height * width * 4, dtype=np.uint8)
 
     def draw(self, scene: mujoco.MjvScene, width: int, height: int) -> Image:
         """The scene as (height, width, 4) RGBA, bottom row first, alpha 0 where nothing is; valid until the next."""
+        gl, pixels = self._functions, self._pixels[: height * width * 4].reshape(height, width, 4)
+        self._context.offFBO = self._buffer(width, height)
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
         mujoco.mjr_render(mujoco.MjrRect(0, 0, width, height), scene, self._context)
         # mjr_readPixels gives RGB alone, which takes the software renderer ten times as long.
-        gl, pixels = self._functions, self._pixels[: height * width * 4].reshape(height, width, 4)
         gl.glReadPixels(0, 0, width, height, gl.GL_RGBA, gl.GL_UNSIGNED_BYTE, pixels)
         return pixels
 
-    def _take_depth_of_24_bits(self, width: int, height: int) -> None:
-        """MuJoCo's has 64 with its stencil, which takes the software renderer half as long again for every picture."""
-        gl, depth = self._functions, self._functions.glGenRenderbuffers(1)
-        gl.glBindRenderbuffer(gl.GL_RENDERBUFFER, depth)
-        gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, gl.GL_DEPTH_COMPONENT24, width, height)
-        gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._context.offFBO)
-        for place, buffer in ((gl.GL_DEPTH_STENCIL_ATTACHMENT, 0), (gl.GL_DEPTH_ATTACHMENT, depth)):
-            gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, place, gl.GL_RENDERBUFFER, buffer)
+    def _buffer(self, width: int, height: int) -> int:
+        """Return the frame buffer of just this size: a whole one is cleared several times as fast as a part of one.
+
+        With MuJoCo's depth, which has a stencil with it, each picture takes the software renderer half as long again.
+        It fills a depth of floating point a tenth quicker than one of whole numbers.
+        """
+        if (width, height) not in self._buffers:
+            gl, self._buffers[width, height] = self._functions, self._functions.glGenFramebuffers(1)
+            gl.glBindFramebuffer(gl.GL_FRAMEBUFFER, self._buffers[width, height])
+            for place, kind in (
+                (gl.GL_COLOR_ATTACHMENT0, gl.GL_RGBA8),
+                (gl.GL_DEPTH_ATTACHMENT, gl.GL_DEPTH_COMPONENT32F),
+            ):
+                storage = gl.glGenRenderbuffers(1)
+                gl.glBindRenderbuffer(gl.GL_RENDERBUFFER, storage)
+                gl.glRenderbufferStorage(gl.GL_RENDERBUFFER, kind, width, height)
+                gl.glFramebufferRenderbuffer(gl.GL_FRAMEBUFFER, place, gl.GL_RENDERBUFFER, storage)
+        return self._buffers[width, height]
+
+    def _take_nearest_sizes(self) -> None:
+        """Draw one size of each texture: MuJoCo mixes two, which takes the software renderer twice as long."""
+        gl = self._functions
+        for texture in self._context.texture[: self._context.ntexture]:
+            gl.glBindTexture(gl.GL_TEXTURE_2D, texture)
+            gl.glTexParameteri(gl.GL_TEXTURE_2D, gl.GL_TEXTURE_MIN_FILTER, gl.GL_LINEAR_MIPMAP_NEAREST)
 
     def close(self) -> None:
         """Release the context; further calls do nothing."""
@@ -142,7 +161,7 @@ class CellRenderer:
         picture, eye = self._draw(view, self._whole, room=True, things=True), self._eye(view)
         alpha = cv2.extractChannel(picture, 3)
         for of_table, unpainted in ((False, NOTHING), (True, TABLE_MASK)):
-            self._surfaces.draw(eye, picture, _image(alpha == unpainted), of_table=of_table)
+            self._surfaces.draw(eye, picture, (alpha == unpainted).view(np.uint8), of_table=of_table)
         return _bgr(picture)
 
     def _draw_over(self, picture: Image, view: int, window: DrawnArea, kinds: mujoco.mjtCatBit) -> None:
@@ -153,7 +172,7 @@ class CellRenderer:
         cv2.copyTo(_bgr(drawn), _where(drawn, OPAQUE), part)
 
     def _where_things_move(self, view: int) -> DrawnArea | None:
-        """The smallest window around the boxes of all that moves; None where none of it is in the view."""
+        """The smallest window, of 16 sizes, around the boxes of all that moves; None where the view has none of it."""
         _, _, width, height = self._whole
         turned = self._data.geom_xmat[self._moving].reshape(-1, 3, 3)
         corners = self._data.geom_xpos[self._moving][:, None] + self._boxes @ turned.transpose(0, 2, 1)
@@ -166,7 +185,10 @@ class CellRenderer:
         high = np.minimum(np.ceil(points.max(axis=0, initial=-math.inf)) + 1, (width, height))
         if (high <= low).any():
             return None
-        return DrawnArea(low[0], low[1], int(high[0] - low[0]), int(high[1] - low[1]))
+        whole = np.array((width, height))
+        size = np.ceil(np.ceil((high - low) / whole * WINDOW_STEPS) / WINDOW_STEPS * whole)
+        low = np.minimum(low, whole - size)
+        return DrawnArea(low[0], low[1], int(size[0]), int(size[1]))
 
     def _still(self, view: int) -> Image:
         """Room, furniture and table, several pixels to each of the view's, averaged and sharpened as cameras do."""
@@ -265,7 +287,7 @@ def _box_corners(boxes: Array) -> Array:
 
 
 def _where(rgba: Image, alpha: int) -> Image:
-    return _image(cv2.extractChannel(rgba, 3) == alpha)
+    return np.asarray(cv2.extractChannel(rgba, 3) == alpha).view(np.uint8)
 
 
 def _bgr(rgba: Image) -> Image:

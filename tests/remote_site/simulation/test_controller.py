@@ -8,7 +8,7 @@ import pytest
 from common.geometry import Array
 from remote_site.simulation.config import ServoConfig
 from remote_site.simulation.controller import ControllerFault, SimulatedController, controller_limits
-from remote_site.simulation.memory import command_dtype, setup_dtype
+from remote_site.simulation.memory import CellCommand, command_dtype, setup_dtype
 
 DT, STEP_NS = 0.002, 2_000_000
 Q0 = np.array([0.0, 0.0, -0.8, 0.0, -0.8, 0.0])
@@ -35,10 +35,11 @@ class Desk:
     def tick(self, count: int = 1) -> None:
         for _ in range(count):
             self.now_ns += STEP_NS
-            if self.controller.asked(self.command):
-                self.controller.activate(self.setup, self.command)
+            command = CellCommand.of(self.command)
+            if self.controller.asked(command):
+                self.controller.activate(self.setup, command)
             measured_q = self.controller.motion.q - self.lag
-            self.motions.append(self.controller.tick(self.command, measured_q, self.now_ns, DT))
+            self.motions.append(self.controller.tick(command, measured_q, self.now_ns, DT))
 
     def cruise(self, seconds: float, speed: float = 0.5) -> None:
         """Speed up joint 1 smoothly and keep it going, a setpoint every 4 ms."""
