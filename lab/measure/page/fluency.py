@@ -15,7 +15,9 @@ from remote_site.config import RemoteConfig
 
 MINUTES, WINDOW_S = 10, 10.0
 LEAST_FPS, MOST_MS = 20.0, 80.0  # asked of each view
+AS_LOOPBACK = ("video.calibrated=true", "engagement.mode=automatic")  # the arm follows, with all that is drawn over it
 HARDLY_ANY = "video.fps=1"
+HARDLY_ANY_OWN = "preview.fps=1"
 QUIET_S = 30.0
 
 Window = dict[str, list[float]]  # of each view, the ages (ms) of the pictures that were painted
@@ -51,7 +53,7 @@ def judged(windows: Sequence[Window], views: Sequence[str], seconds: float) -> F
 
 def _windows() -> list[Window]:
     with Chromium() as chromium, ExitStack() as stack:
-        stand = PageStand(stack)
+        stand = PageStand(stack, *AS_LOOPBACK)
         stand.follow()
         page = chromium.open(stand.console(stand.video_port)[1])
         watch(page)
@@ -68,8 +70,8 @@ def _windows() -> list[Window]:
 def _without_pictures() -> float:
     """Core percent of the browser while the arm follows and hardly a picture comes: the page's own drawing."""
     with Chromium() as chromium, ExitStack() as stack:
-        stand = PageStand(stack, HARDLY_ANY)
-        stand.follow()
+        stand = PageStand(stack, *AS_LOOPBACK, HARDLY_ANY)
+        stand.follow(HARDLY_ANY_OWN)
         chromium.open(stand.console(stand.video_port)[1])
         time.sleep(SETTLE_S)
         before_s = chromium.cpu_s

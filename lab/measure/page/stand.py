@@ -29,10 +29,10 @@ class PageStand:
         self.record = self._sites.record
         self.wait("the remote site", lambda: self.record.states)
 
-    def follow(self) -> SiteProcess:
-        """Start a local site whose simulated hand the arm follows, and wait for its lease."""
+    def follow(self, *settings: str) -> SiteProcess:
+        """Start a local site whose simulated hand the arm may follow, and wait for its lease."""
         motion = "simulation.motion.name=figure_of_eight", "simulation.motion.begins=at_once"
-        process = self._start("local", *self._endpoints.local, *motion)
+        process = self._start("local", *self._endpoints.local, *motion, *settings)
         self.wait("the lease", lambda: self.record.states[-1].lease is not None)
         return process
 
