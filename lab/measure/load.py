@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lab.measure.page.ages import painting
 from lab.measure.page.chromium import Chromium
-from lab.measure.page.stand import PageStand
+from lab.measure.page.stand import AS_LOOPBACK, PageStand
 from lab.stage.processes import family, name_of
 from remote_site.config import RemoteConfig
 from remote_site.simulation.cell import build_cell
@@ -35,7 +35,7 @@ def measure() -> dict[str, float]:
     """Core percent by process and stage; CameraError where EGL is missing, ProcessError where Chromium is."""
     picture_s = drawing_s()
     with Chromium() as chromium, ExitStack() as stack:
-        stand = PageStand(stack)
+        stand = PageStand(stack, *AS_LOOPBACK)
         local = stand.follow()
         console, address = stand.console(stand.video_port)
         page = chromium.open(address)

@@ -21,6 +21,7 @@ from remote_site.simulation.controller import SimulatedController, controller_li
 from remote_site.simulation.memory import CellCommand, CellMemory
 
 MAX_LATE_STEPS = 20
+STEPS_PER_WAKE = 2  # to be woken costs a process more than a step
 FIFO_PRIORITY = 40  # as a robot's own controller, but below the control loop
 SLIDING_RAD_S = 0.02
 
@@ -153,9 +154,10 @@ def run_cell(cell: SimulatedCell, should_stop: Callable[[], bool], beat: Callabl
     while not (should_stop() and cell.controller.resting):
         if should_stop():
             cell.controller.stop()
-        due_ns = _wait(due_ns + period_ns, MAX_LATE_STEPS * period_ns)
-        cell.step(due_ns, time.monotonic_ns())
-        beat()
+        due_ns = _wait(due_ns + STEPS_PER_WAKE * period_ns, MAX_LATE_STEPS * period_ns)
+        for left in reversed(range(STEPS_PER_WAKE)):
+            cell.step(due_ns - left * period_ns, time.monotonic_ns())
+            beat()
 
 
 def _wait(due_ns: int, most_ns: int) -> int:

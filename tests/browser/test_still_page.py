@@ -37,7 +37,7 @@ IN_THE_ROOM = """async ([cell, robots]) => {
   const drawn = robots.map((robot) => {
     erased = 0;
     room.show(robot);
-    room.refresh(true);
+    room.refresh();
     return erased > 0;
   });
   delete context.clearRect;

@@ -10,12 +10,11 @@ import numpy as np
 from lab.measure.page.ages import SETTLE_S, Figures
 from lab.measure.page.chromium import Chromium
 from lab.measure.page.painted_clock import ages_ms, compare, watch
-from lab.measure.page.stand import PageStand
+from lab.measure.page.stand import AS_LOOPBACK, PageStand
 from remote_site.config import RemoteConfig
 
 MINUTES, WINDOW_S = 10, 10.0
 LEAST_FPS, MOST_MS = 20.0, 80.0  # asked of each view
-AS_LOOPBACK = ("video.calibrated=true", "engagement.mode=automatic")  # the arm follows, with all that is drawn over it
 HARDLY_ANY = "video.fps=1"
 HARDLY_ANY_OWN = "preview.fps=1"
 QUIET_S = 30.0

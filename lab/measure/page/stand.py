@@ -12,6 +12,7 @@ from lab.stage.staged_sites import StagedSites
 
 CELL = "bench"
 PATIENCE_S = 120.0
+AS_LOOPBACK = ("video.calibrated=true", "engagement.mode=automatic")  # the arm follows, with all that is drawn over it
 
 
 class PageStand:

@@ -50,12 +50,10 @@ export class ArmRoom {
     this.#robot = robot;
   }
 
-  /** Draw what has changed since the last time, and describe it when that can be read.
-   * @type {(isRead: boolean) => void} */
-  refresh(isRead) {
+  /** Draw what has changed since the last time. */
+  refresh() {
     if (document.hidden) return;
     const robot = this.#shown;
-    if (this.#cell !== null && robot !== null && isRead) this.#describe(this.#cell, robot);
     const limit = this.#limit.name === null ? null : this.#limit;
     if (this.#last.differs(robot === null ? null : seenOf(robot), limit)) this.#draw();
   }
@@ -82,6 +80,11 @@ export class ArmRoom {
       this.#asked = null;
       this.#draw();
     });
+  }
+
+  /** Say where the arm is, in figures. */
+  tell() {
+    if (this.#cell !== null && this.#shown !== null && !document.hidden) this.#describe(this.#cell, this.#shown);
   }
 
   /** @type {(cell: Cell, robot: Robot) => void} */

@@ -68,6 +68,7 @@ let tools = NO_TOOLS;
 let toolsMs = -Infinity;
 let lookedMs = -Infinity;
 let readMs = -Infinity;
+let armMs = -Infinity;
 /** @type {Situation | null} */
 let newest = null;
 /** @type {number | null} */
@@ -133,7 +134,11 @@ function look() {
   if (isRead) readMs = lookedMs;
   if (newest !== null) show(newest, isRead);
   views.refresh(isRead);
-  arm.refresh(isRead);
+  if (isRead) arm.tell();
+  if (lookedMs - armMs >= LOOK_MS) {
+    armMs = lookedMs; // its drawing costs more than all others
+    arm.refresh();
+  }
   joints.offer(views.isOneCamera);
   if (bar.isSilent) disconnected();
   if (lookedMs - toolsMs > OLD_TOOLS_MS) showTools(NO_TOOLS);

@@ -175,8 +175,8 @@ def test_the_cell_outlives_its_parent_only_to_stop_the_arm():
 def test_a_cell_beats_after_each_step(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(process, "ask_for_real_time", lambda _priority: True)
     cell, steps = process.SimulatedCell(CONFIG, ROBOT, CellMemory.create(6)), list[int]()
-    process.run_cell(cell, lambda: len(steps) >= 5, lambda: steps.append(round(cell.data.time / cell.dt)))
-    assert steps == [1, 2, 3, 4, 5]
+    process.run_cell(cell, lambda: len(steps) >= 6, lambda: steps.append(round(cell.data.time / cell.dt)))
+    assert steps == [1, 2, 3, 4, 5, 6]
 
 
 def is_running(pid: int) -> bool:
