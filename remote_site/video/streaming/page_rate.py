@@ -7,8 +7,8 @@ from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.video import ViewShown
 from remote_site.video.streaming.link_rate import Least
 
-PAINTS = 0.85  # of what comes: a page that paints less is behind
-BEHIND_MS = 40.0  # and so is one that paints this much later than it has of late
+SKIPS, COUNTED = 0.15, 1.0  # of what comes: a page that paints so much less is behind; rates are whole pictures
+BEHIND_MS = 40.0  # and so is one that paints this much later than it has of late, and than by the time between pictures
 PROMPT_MS = 60.0  # one that has never painted earlier than this is behind too
 BEHIND_REPORTS = 3
 REDUCED = 0.85  # of what it paints while it is behind
@@ -17,6 +17,7 @@ CAUTIOUS_NS = 1500 * NS_PER_MS  # after that: then the cause may have ended, and
 CAUTION = 0.7, 1.3  # of the rate at which it last fell behind: between these the rate grows slowly at first
 GROWTH_PER_S, CAUTIOUS_GROWTH_PER_S = 3.0, 1.04
 LEAST_FPS = 5.0
+MS_PER_S = 1000.0
 
 
 class PageRate:
@@ -41,7 +42,9 @@ class PageRate:
         painted, came = (statistics.fmean(rates) for rates in zip(*((v.fps, v.came.fps) for v in views), strict=True))
         lag_ms = statistics.median(view.age_ms - view.came.age_ms for view in views)
         prompt_ms = min(PROMPT_MS, self._least_lag_ms.see(lag_ms, now_ns))
-        behind = painted < PAINTS * came or lag_ms > prompt_ms + BEHIND_MS
+        skips = came - painted > max(SKIPS * came, COUNTED)
+        # Of pictures that are farther apart than they are late, fewer would show what has happened later still.
+        behind = skips or lag_ms > prompt_ms + max(BEHIND_MS, MS_PER_S / (self.fps or full_fps))
         self._behind_reports = self._behind_reports + 1 if behind else 0
         if now_ns < self._settled_ns:
             return
