@@ -30,24 +30,26 @@ class ArmServo:
     """Computed torque of an arm's joints; `q`, `dq` (n,) are live views of the measured rad and rad/s."""
 
     def __init__(self, config: CellConfig, cell: Cell, data: mujoco.MjData) -> None:
-        self._model, self._data, arm = cell.model, data, cell.arm
-        self._stiffness = (2.0 * math.pi * config.servo.bandwidth_hz) ** 2
-        self._damping = 2.0 * math.sqrt(self._stiffness)
-        self._coulomb, self._viscous = np.array(config.arm.coulomb_n_m), np.array(config.arm.viscous_n_m_s)
-        self._accelerations, self._torques = np.zeros(cell.model.nv), np.zeros(cell.model.nv)
-        self._acceleration, self._torque = self._accelerations[arm], self._torques[arm]
-        self._bias, self._ctrl = data.qfrc_bias[arm], data.ctrl[arm]  # views: MuJoCo looks each array up anew
+        self._model, self._data, self._arm = cell.model, data, cell.arm
+        stiffness = (2.0 * math.pi * config.servo.bandwidth_hz) ** 2
+        self._stiffness_and_damping = stiffness, 2.0 * math.sqrt(stiffness)
+        self._coulomb_and_viscous = np.array(config.arm.coulomb_n_m), np.array(config.arm.viscous_n_m_s)
+        self._acceleration, self._torque = np.zeros(cell.model.nv), np.zeros(cell.model.nv)
+        # Views: MuJoCo looks each array up anew.
+        self._bias, self._ctrl = data.qfrc_bias[cell.arm], data.ctrl[cell.arm]
         self._before = JointMotion.at_rest(cell.start_q)
-        self.q: Array = data.qpos[arm]
-        self.dq: Array = data.qvel[arm]
+        self.q: Array = data.qpos[cell.arm]
+        self.dq: Array = data.qvel[cell.arm]
 
     def drive(self, motion: JointMotion) -> None:
         """Set the torques (n,) in N·m that lead to where the motion is at the end of the step."""
+        stiffness, damping = self._stiffness_and_damping
         error, rate = self._before.q - self.q, self._before.dq - self.dq
-        self._acceleration[:] = motion.ddq + self._damping * rate + self._stiffness * error
-        mujoco.mj_mulM(self._model, self._data, self._torques, self._accelerations)
-        friction = self._coulomb * np.tanh(motion.dq / SLIDING_RAD_S) + self._viscous * motion.dq
-        self._ctrl[:] = self._torque + self._bias + friction
+        self._acceleration[self._arm] = motion.ddq + damping * rate + stiffness * error
+        mujoco.mj_mulM(self._model, self._data, self._torque, self._acceleration)
+        coulomb, viscous = self._coulomb_and_viscous
+        friction = coulomb * np.tanh(motion.dq / SLIDING_RAD_S) + viscous * motion.dq
+        self._ctrl[:] = self._torque[self._arm] + self._bias + friction
         self._before = motion
 
 
