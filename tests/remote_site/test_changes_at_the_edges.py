@@ -1,18 +1,24 @@
 """Small changes at the edges of what moves the arm, which no other test notices: each makes a test here fail."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from common.clock import NS_PER_S
+from common.clock import NS_PER_MS, NS_PER_S
 from common.messages.requests import EngagementAction
 from common.messages.robot import AssistPhase, SessionState
+from remote_site.drivers.driver import Capabilities, GripperReading, RobotReading
+from remote_site.drivers.faults import RobotFault
+from remote_site.drivers.franka.setpoint_filter import SetpointFilter
+from remote_site.drivers.supervisor.reading_check import FASTEST, ReadingCheck
 from remote_site.kinematics.config import SingularityConfig, SolverConfig
 from remote_site.kinematics.dexterity import Dexterity
 from remote_site.kinematics.differential import ACCELERATE, DifferentialInverse, Move
 from remote_site.kinematics.inverse import Solution, SphericalWristInverse
+from remote_site.kinematics.joints import JointMotion
 from remote_site.kinematics.limits import TARGET_SPEED, stoppable
 from remote_site.motion.joint_path import JointPath
 from remote_site.motion.moving_frame import AxisLimits, frame_of
@@ -21,11 +27,13 @@ from remote_site.motion.target_path import TargetPath
 from remote_site.motion.target_predictor import JointBounds
 from remote_site.motion.tool_shift import fastest_alone
 from remote_site.reasons import Code
+from remote_site.safety.guard import JointGuard, Refused
 from remote_site.teleop.hold_offset import SLOW_FRACTION, shortened
 from remote_site.teleop.tool_target import ToolTarget
 from tests.present import present
 from tests.remote_site.assist.sightings import PRESSED
 from tests.remote_site.assist.test_assist_in_pipeline import AssistLoop
+from tests.remote_site.drivers.supervisor.supervised import SETUP, START
 from tests.remote_site.remote_loop import RemoteLoop, arm
 
 MODEL, LIMITS = arm()
@@ -171,3 +179,53 @@ def test_where_the_wrist_is_nearly_straight_joint_4_goes_to_the_goal_nearer_to_i
     found = SphericalWristInverse(MODEL, LIMITS).nearest(MODEL.forward(goal), straight)
     assert isinstance(found, Solution)
     assert found.q[3] < straight[3]
+
+
+def refused(proposed: JointMotion, sent: JointMotion) -> Refused:
+    judged = JointGuard(LIMITS, DT).check(proposed, sent)
+    assert isinstance(judged, Refused)
+    return judged
+
+
+def test_all_of_the_speed_counts_that_remains_when_the_acceleration_is_taken_back() -> None:
+    acceleration = 0.5 * LIMITS.acceleration
+    gained = acceleration**2 / (2 * LIMITS.jerk)
+    motion = JointMotion(BENT, LIMITS.velocity - 0.8 * gained, acceleration)
+    assert refused(motion, motion).reason.code is Code.VELOCITY
+
+
+def test_a_refused_jerk_is_told_by_the_second() -> None:
+    jump = np.array([1.5 * LIMITS.jerk[0] * DT, 0.0, 0.0, 0.0, 0.0, 0.0])
+    assert jump[0] < LIMITS.acceleration[0]
+    told = refused(JointMotion(BENT, np.zeros(6), jump), JointMotion.at_rest(BENT)).reason
+    assert told.code is Code.JERK
+    assert f"{1.5 * LIMITS.jerk[0]:.1f} rad/s³" in told.sentence
+
+
+def test_after_a_pause_the_jerk_to_a_setpoint_is_that_of_one_that_came_two_periods_late() -> None:
+    def ddq(elapsed_s: float) -> list[float]:
+        led, written_ns = SetpointFilter(BENT, LIMITS, DT), round(elapsed_s * NS_PER_S)
+        led.add(JointMotion(BENT, np.full(6, 0.01), np.full(6, 0.01)), 1, written_ns)
+        for ms in range(3):
+            led.step(written_ns + ms * NS_PER_MS)
+        return list(led.motion.ddq)
+
+    assert ddq(5 * DT) == ddq(2 * DT)
+    assert ddq(2 * DT) != ddq(1.5 * DT)
+
+
+@pytest.mark.parametrize(("times", "can_be"), [(0.8, True), (1.2, False)])
+def test_a_speed_can_be_read_as_ten_times_the_joints_own(times: float, *, can_be: bool) -> None:
+    capabilities = Capabilities(1000.0, None, gripper=True, force=True, watchdog_ms=None)
+    dq = np.array([times * FASTEST * SETUP.joint_range.velocity[0], 0.0, 0.0, 0.0, 0.0, 0.0])
+    read = RobotReading(NS_PER_S, START, dq, GripperReading(0.05, None), None, None)
+    assert isinstance(ReadingCheck(capabilities, SETUP).judge(read, NS_PER_S), RobotFault) is not can_be
+
+
+def test_a_joint_whose_range_lies_above_zero_slows_down_before_its_lower_limit() -> None:
+    q = BENT + np.array([0.6, 0.0, 0.0, 0.0, 0.0, 0.0])
+    limits = replace(LIMITS, lower=np.array([q[0] - 0.01, *LIMITS.lower[1:]]))
+    inverse = DifferentialInverse(MODEL, limits, SolverConfig(), SingularityConfig(), q)
+    last = replace(Move.at_rest(q), dq=np.array([-1.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    move = inverse.step(last, MODEL.forward(BENT), np.zeros(6), 1.0, DT, None)
+    assert move.dq[0] > -0.5
