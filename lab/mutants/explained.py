@@ -111,4 +111,24 @@ EXPLAINED = {
     "sample on, which sets it",
     f"{TARGET}:_strayed: fraction * way > MOST_M -> fraction * way >= MOST_M": "a way of "
     "exactly 30 mm, to the last bit, may count as either",
+    "remote_site/safety/guard.py:same: np.abs(one.q - other.q).max() <= POSITION -> "
+    "np.abs(one.q - other.q).max() < POSITION": "positions off by exactly the rounding, to the last bit, may count as "
+    "either",
+    "remote_site/safety/clearance.py:why: worst[0] < -POSITION -> worst[0] <= -POSITION": "a depth of exactly the "
+    "rounding, to the last bit, may be told either reason",
+    "remote_site/safety/clearance.py:_doubtful: travel <= TOLERANCE -> travel < TOLERANCE": "a travel of exactly the "
+    "tolerance, to the last bit, is looked at once more",
+    "remote_site/safety/collision.py:note: 0.0 -> 1.0": "less is known of what stays clear, and it is measured instead",
+    "remote_site/safety/collision.py:pairs_within: cache.note(q.tolist(), clearances) -> pass": "nothing is known of "
+    "what stays clear, and it is measured instead",
+    "remote_site/safety/collision.py:__init__: 1 -> 2": "NumPy takes any negative size for the one that it works out",
+    "remote_site/drivers/supervisor/write_scheduler.py:take_part: 0 -> 1": "a nanosecond of the plan moves no joint",
+    "remote_site/drivers/supervisor/reading_check.py:_short: abs(value) < 1e+100 -> abs(value) <= 1e+100": "of exactly "
+    "that value, all digits are told",
+    "remote_site/drivers/position_arm/calls.py:__init__: 0.0 -> 1.0": "the gripper's largest force is told with each "
+    "activation, before its first order",
+    "remote_site/drivers/position_arm/calls.py:measure: now_ns - self._due_ns -> now_ns + self._due_ns": "it is always "
+    "due at a whole period, so that both leave the same rest",
+    "remote_site/drivers/franka/setpoint_filter.py:__init__: 0 -> 1": "a nanosecond before the first setpoint changes "
+    "no jerk",
 }

@@ -223,7 +223,7 @@ def test_a_speed_can_be_read_as_ten_times_the_joints_own(times: float, *, can_be
 
 
 def test_a_joint_whose_range_lies_above_zero_slows_down_before_its_lower_limit() -> None:
-    q = BENT + np.array([0.6, 0.0, 0.0, 0.0, 0.0, 0.0])
+    q = BENT + np.array([2.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     limits = replace(LIMITS, lower=np.array([q[0] - 0.01, *LIMITS.lower[1:]]))
     inverse = DifferentialInverse(MODEL, limits, SolverConfig(), SingularityConfig(), q)
     last = replace(Move.at_rest(q), dq=np.array([-1.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
