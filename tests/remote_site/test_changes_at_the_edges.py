@@ -8,11 +8,16 @@ import numpy as np
 import pytest
 
 from common.clock import NS_PER_MS, NS_PER_S
+from common.host_clock import MonotonicClock
 from common.messages.requests import EngagementAction
 from common.messages.robot import AssistPhase, SessionState
+from lab.stage.waiting import until
 from remote_site.drivers.driver import Capabilities, GripperReading, RobotReading
 from remote_site.drivers.faults import RobotFault
 from remote_site.drivers.franka.setpoint_filter import SetpointFilter
+from remote_site.drivers.position_arm.arm import PositionArm
+from remote_site.drivers.position_arm.calls import ArmCallError, ArmCalls
+from remote_site.drivers.position_arm.threaded_calls import ThreadedCalls
 from remote_site.drivers.supervisor.reading_check import FASTEST, ReadingCheck
 from remote_site.kinematics.config import SingularityConfig, SolverConfig
 from remote_site.kinematics.dexterity import Dexterity
@@ -229,3 +234,42 @@ def test_a_joint_whose_range_lies_above_zero_slows_down_before_its_lower_limit()
     last = replace(Move.at_rest(q), dq=np.array([-1.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
     move = inverse.step(last, MODEL.forward(BENT), np.zeros(6), 1.0, DT, None)
     assert move.dq[0] > -0.5
+
+
+class UnclosableArm(PositionArm):
+    """Rests at zero; it cannot be let go of."""
+
+    joints, rate_hz, threaded = 6, 100.0, True
+
+    def __init__(self) -> None:
+        self.readings = 0
+
+    def read(self) -> list[float]:
+        self.readings += 1
+        return [0.0] * 6
+
+    def write(self, _positions: Any) -> None: ...
+
+    def stop(self) -> None: ...
+
+    def close(self) -> None:
+        raise OSError("the port is gone")
+
+
+class RestlessClock(MonotonicClock):
+    """Notes who sleeps."""
+
+    slept = 0
+
+    def sleep_until_ns(self, deadline_ns: int) -> None:
+        self.slept += 1
+        super().sleep_until_ns(deadline_ns)
+
+
+def test_a_thread_rests_between_calls_only_where_one_has_failed_and_tells_what_the_last_one_met() -> None:
+    arm, clock = UnclosableArm(), RestlessClock()
+    calls = ThreadedCalls(ArmCalls(arm, clock), clock)
+    until(lambda: calls.measure() and arm.readings > 5)
+    assert clock.slept == 0
+    with pytest.raises(ArmCallError, match="close raised OSError: the port is gone"):
+        calls.end(stops=False)
