@@ -2,7 +2,8 @@
 
 import math
 from dataclasses import replace
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -10,15 +11,17 @@ import pytest
 from common.clock import NS_PER_MS, NS_PER_S
 from common.host_clock import MonotonicClock
 from common.messages.requests import EngagementAction
-from common.messages.robot import AssistPhase, SessionState
+from common.messages.robot import AssistPhase, GripperCommand, SessionState
 from lab.stage.waiting import until
-from remote_site.drivers.driver import Capabilities, GripperReading, RobotReading
+from remote_site.drivers.driver import Capabilities, GripperReading, JointCommand, RobotReading
 from remote_site.drivers.faults import RobotFault
 from remote_site.drivers.franka.setpoint_filter import SetpointFilter
 from remote_site.drivers.position_arm.arm import PositionArm
 from remote_site.drivers.position_arm.calls import ArmCallError, ArmCalls
 from remote_site.drivers.position_arm.threaded_calls import ThreadedCalls
 from remote_site.drivers.supervisor.reading_check import FASTEST, ReadingCheck
+from remote_site.drivers.supervisor.watched_driver import WatchedDriver
+from remote_site.drivers.supervisor.writer import PacedWriter
 from remote_site.kinematics.config import SingularityConfig, SolverConfig
 from remote_site.kinematics.dexterity import Dexterity
 from remote_site.kinematics.differential import ACCELERATE, DifferentialInverse, Move
@@ -273,3 +276,20 @@ def test_a_thread_rests_between_calls_only_where_one_has_failed_and_tells_what_t
     assert clock.slept == 0
     with pytest.raises(ArmCallError, match="close raised OSError: the port is gone"):
         calls.end(stops=False)
+
+
+def test_a_robot_that_was_sent_on_has_to_follow_anew_until_it_has_settled() -> None:
+    slow = Capabilities(50.0, None, gripper=True, force=True, watchdog_ms=None)
+    writer = PacedWriter(cast("WatchedDriver", SimpleNamespace(write=lambda _command: None)), slow, SETUP)
+    still, moving = np.zeros(6), np.full(6, 0.01)
+    begin = JointCommand(7, 0, START, still, still, GripperCommand.KEEP)
+    writer.restart(begin, 0)
+    assert writer.command is begin
+    assert not writer.settled(0)
+    writer.add(replace(begin, seq=8, dq=moving))
+    writer.step(None, 20 * NS_PER_MS)
+    assert not writer.settled(20 * NS_PER_MS)
+    writer.add(replace(begin, seq=9))
+    writer.step(None, 40 * NS_PER_MS)
+    assert not writer.settled(45 * NS_PER_MS)
+    assert writer.settled(45 * NS_PER_MS + 2 * writer.period_ns)
