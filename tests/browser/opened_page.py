@@ -33,8 +33,10 @@ LAID_OUT = """async ([width, height]) => {
 class OpenedPage:
     """One tab of its own; `words`, `wait_for` and `hold` are what tests need most."""
 
-    def __init__(self, browser: Any, address: str) -> None:
+    def __init__(self, browser: Any, address: str, script: str = "") -> None:
+        """`script` is run before those of the page."""
         self.context = browser.new_context(viewport={"width": 1280, "height": 720}, has_touch=True)
+        self.context.add_init_script(script)
         self.page = self.context.new_page()
         self.errors: list[str] = []
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))

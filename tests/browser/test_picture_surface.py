@@ -6,8 +6,6 @@ import pytest
 
 from common.messages.video import CameraStatus
 from lab.measure.page import scene
-from lab.measure.page.bare_console import BareConsole
-from tests.browser.opened_page import OpenedPage
 from tests.browser.told import Told, opened_told
 
 SIZES = """() => ((canvas) => [canvas.width, canvas.height, canvas.clientWidth, canvas.clientHeight])
@@ -18,15 +16,8 @@ SURFACE = "document.querySelector('[data-name=side] .picture')"
 @pytest.fixture
 def on_canvas(browser: object) -> Iterator[Told]:
     """A page in a browser that makes no video of single pictures, as Firefox and Safari."""
-    with BareConsole() as console:
-        page = OpenedPage(browser, "about:blank")
-        page.context.add_init_script("delete window.MediaStreamTrackGenerator")
-        page.page.goto(console.address)
-        told = Told(console, page)
-        told.describe()
+    with opened_told(browser, "delete window.MediaStreamTrackGenerator") as told:
         yield told
-        assert page.errors == []
-        page.close()
 
 
 def test_on_a_canvas_a_picture_has_no_more_pixels_than_the_screen_shows_of_it(on_canvas: Told) -> None:

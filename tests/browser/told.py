@@ -96,10 +96,10 @@ class Told:
 
 
 @contextmanager
-def opened_told(browser: object) -> Iterator[Told]:
-    """A page of a console without sites; it may not have had an error."""
+def opened_told(browser: object, script: str = "") -> Iterator[Told]:
+    """A page of a console without sites, after a script; it may not have had an error."""
     with BareConsole() as console:
-        page = OpenedPage(browser, console.address)
+        page = OpenedPage(browser, console.address, script)
         told = Told(console, page)
         told.describe()
         told.until("the views", lambda: len(page.marks()) == len(scene.CAMERAS))
